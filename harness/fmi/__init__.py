@@ -1,0 +1,1 @@
+"""Reading FMUs: archive, model description, binding by address, life cycle."""

@@ -1,0 +1,1 @@
+"""The system as data: components, connections, units, experiment files; checked before anything loads."""

@@ -1,0 +1,69 @@
+"""What the harness asks of a discrete-time block, whoever wrote it.
+
+The contract is structural, so that controllers, estimators and other people's packages need not
+import the harness: `step(p, x, u, y)` over flat float64 arrays (parameters, state updated in
+place, inputs read at the sample instant, outputs written for it) plus named signals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+StepFunction = Callable[[Array, Array, Array, Array], None]
+
+
+@runtime_checkable
+class BlockSignal(Protocol):
+    """One named scalar at the border of a block."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def description(self) -> str: ...
+    @property
+    def start(self) -> float: ...
+
+
+@runtime_checkable
+class Block(Protocol):
+    """A discrete-time block ready to run; see the module docstring."""
+
+    @property
+    def inputs(self) -> Sequence[BlockSignal]: ...
+    @property
+    def outputs(self) -> Sequence[BlockSignal]: ...
+    @property
+    def step(self) -> StepFunction: ...
+    @property
+    def parameters(self) -> Array: ...
+    @property
+    def state(self) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Port:
+    """A named scalar of a block of the harness itself; meets `BlockSignal`."""
+
+    name: str
+    unit: str = "1"
+    description: str = ""
+    start: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class KernelBlock:
+    """A block of the harness itself (imperfections, delays); meets `Block`."""
+
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    step: StepFunction
+    parameters: Array = field(default_factory=lambda: np.zeros(0))
+    state: Array = field(default_factory=lambda: np.zeros(0))
