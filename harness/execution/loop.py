@@ -1,0 +1,102 @@
+"""The loop: executes a program cycle by cycle, compiled, without the interpreter lock.
+
+It knows neither algorithms nor components by name; all of that is in the order and the operands
+of the program (`operations`). Time is integer nanoseconds; a real number of seconds is made of
+them only where an FMU asks for it.
+
+It refuses to allocate, to print, to decide what an error means, and to write past its buffers:
+the caller prepares enough samples and rows for the cycles that it asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from harness.execution import operations as op
+from harness.execution.calls import call_status
+from harness.execution.exchange import decode, encode
+
+CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
+"""Indices into `clock`, the loop's own state, which the caller keeps between calls."""
+
+_NANO = 1e9
+_WARNING = 1  # the highest FMI status with which a run goes on
+_ONE = np.int64(1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def run_cycles(
+    program: Any, instants: Any, span: Any, clock: Any, v: Any, copies: Any, scales: Any,
+    samples: Any, cursors: Any, exchange: Any, recorded: Any, rows: Any, row_times: Any,
+) -> int:  # fmt: skip
+    """Run until cycle span[3] begins or the stop time is done; returns an outcome of `operations`.
+
+    program    int64 (n_operations, WIDTH), in order of execution
+    instants   int64 (n_instants, 3): offset in the cycle in ns, first and last operation
+    span       int64 (4,): start ns, stop ns, cycle ns, number of the cycle to stop before
+    clock      int64 (5,): see `CYCLE` and its fellows; on a fault it names the operation
+    v          float64 (n_slots,): every signal of the system
+    copies     int64 (n_copies, 2): source, destination slot; scales (n_copies, 2): factor, offset
+    samples    float64, prepared samples of all signals; cursors int64 (n_signals,): next of each
+    exchange   uint8, where C integers are encoded and decoded
+    recorded   int64 (n_columns,): slots of a row; rows float64 (n_rows, n_columns), row_times int64
+    """
+    start, stop, cycle_ns, last_cycle = span[0], span[1], span[2], span[3]
+    while clock[CYCLE] < last_cycle:
+        for instant in range(instants.shape[0]):
+            now = start + clock[CYCLE] * cycle_ns + instants[instant, 0]
+            if now > stop:
+                break
+            clock[INSTANT] = now
+            for index in range(instants[instant, 1], instants[instant, 2]):
+                o = program[index]
+                code = o[0]
+                clock[OPERATION] = index
+                status = 0
+                if code == op.COPY:
+                    for i in range(o[1], o[2]):
+                        v[copies[i, 1]] = scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
+                elif code == op.SAMPLE:
+                    v[o[2]] = samples[cursors[o[1]]]
+                    cursors[o[1]] += 1
+                elif code == op.CALL_4:
+                    status = call_status(o[1], (o[2], o[3], o[4], o[5]))
+                elif code == op.CALL_5:
+                    status = call_status(o[1], (o[2], o[3], o[4], o[5], o[6]))
+                elif code == op.STEP_FMI3:
+                    if now + o[3] <= stop:
+                        t, h, f = now / _NANO, o[3] / _NANO, o[4]
+                        status = call_status(o[1], (o[2], t, h, _ONE, f, f + 1, f + 2, o[5]))
+                        if status <= _WARNING and exchange[o[6] + 1] != 0:
+                            return op.TERMINATED
+                elif code == op.STEP_FMI2:
+                    if now + o[3] <= stop:
+                        status = call_status(o[1], (o[2], now / _NANO, o[3] / _NANO, _ONE))
+                elif code == op.CHECK:
+                    for slot in range(o[1], o[2]):
+                        if not math.isfinite(v[slot]):
+                            return op.NOT_FINITE
+                elif code == op.RECORD:
+                    row = clock[ROWS]
+                    for column in range(recorded.shape[0]):
+                        rows[row, column] = v[recorded[column]]
+                    row_times[row] = now
+                    clock[ROWS] = row + 1
+                elif code == op.ENCODE:
+                    encode(o[1], v[o[2] : o[3]], exchange, o[4])
+                elif code == op.DECODE:
+                    decode(o[1], v[o[2] : o[3]], exchange, o[4])
+                elif code == op.CALL_7:
+                    status = call_status(o[1], (o[2], o[3], o[4], o[5], o[6], o[7], o[8]))
+                else:
+                    arguments = (o[2], o[3], o[4], o[5], o[6], o[7], o[8], o[9], o[10])
+                    status = call_status(o[1], arguments)
+                if status > _WARNING or status < 0:
+                    clock[STATUS] = status
+                    return op.STATUS
+        clock[CYCLE] += 1
+    return op.OK

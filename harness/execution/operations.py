@@ -1,0 +1,44 @@
+"""The operations of a program: opcodes, and what the columns of a row of int64 mean.
+
+A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the others are operands.
+`loop.run_cycles` executes it compiled; the tests execute it in plain Python.
+"""
+
+from __future__ import annotations
+
+WIDTH = 11
+
+COPY = 0
+"""first, last: for i in [first, last): v[destination[i]] = factor[i] * v[source[i]] + offset[i]"""
+SAMPLE = 1
+"""signal, slot: v[slot] = next prepared sample of that signal"""
+CALL_4 = 2
+CALL_5 = 3
+CALL_7 = 4
+CALL_9 = 5
+"""address, then as many int64 arguments: int32 status = (*address)(…). Blocks take 4 (p, x, u, y),
+get and set functions 4 in FMI 2 and 5 in FMI 3, directional derivatives 7 and 9."""
+STEP_FMI2 = 6
+"""address, instance, step in ns"""
+STEP_FMI3 = 7
+"""address, instance, step in ns, flags, last successful time, byte offset of the flags: the flags
+are eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each in the exchange buffer"""
+CHECK = 8
+"""first slot, last slot: the run ends where one of them is NaN or infinite"""
+ENCODE = 9
+DECODE = 10
+"""kind, first slot, last slot, byte offset: float64 slots to, from C integers in the buffer"""
+RECORD = 11
+"""no operands: append the recorded slots as a row"""
+
+OK = 0
+STATUS = 1
+"""a function returned a status that ends the run"""
+NOT_FINITE = 2
+"""a checked slot is NaN or infinite"""
+TERMINATED = 3
+"""an FMI 3 component asked for the end of the simulation"""
+
+BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32 = range(10)
+"""Kinds of C numbers that are not float64."""
+ITEM_SIZE = (1, 1, 1, 2, 2, 4, 4, 8, 8, 4)

@@ -1,0 +1,61 @@
+"""An FMU as the harness holds it: archive, model description, instances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Self
+
+from harness.errors import FmuError
+from harness.fmi.archive import Archive
+from harness.fmi.fmi2 import Fmi2Instance
+from harness.fmi.fmi3 import Fmi3Instance
+from harness.fmi.instance import FmuInstance
+from harness.fmi.logger import LogMessage
+from harness.fmi.model_description import read_model_description
+
+_KINDS: dict[int, type[FmuInstance]] = {2: Fmi2Instance, 3: Fmi3Instance}
+
+
+class Fmu:
+    """An unpacked FMU: `description` is what it says of itself, `sha256` its hash.
+
+    Use as a context manager, or call `close`, to remove the unpacked files.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        """Unpack and read; raises `FmuError`."""
+        self.path = Path(path)
+        self._archive = Archive(self.path)
+        self.sha256 = self._archive.sha256
+        self.folder = self._archive.folder
+        try:
+            self.description = read_model_description(self.folder, self.path)
+        except BaseException:
+            self.close()
+            raise
+
+    def instantiate(
+        self,
+        name: str,
+        *,
+        logging: bool = False,
+        echo: Callable[[LogMessage], None] | None = None,
+    ) -> FmuInstance:
+        """A new instance for co-simulation; raises `FmuError`."""
+        kind = _KINDS.get(self.description.fmi_major)
+        if kind is None:
+            raise FmuError(
+                f"FMU {self.path} is FMI {self.description.fmi_version}; FMI 2 and 3 can be run"
+            )
+        return kind(self.description, self.folder, name, logging=logging, echo=echo)
+
+    def close(self) -> None:
+        """Remove the unpacked files."""
+        self._archive.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

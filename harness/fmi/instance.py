@@ -1,0 +1,250 @@
+"""One instance of an FMU in co-simulation: its life cycle and its values, FMI 2 and FMI 3 alike.
+
+Everything outside the loop goes through here, one ctypes call at a time; the loop itself takes
+the addresses (`address`, `handle`) and calls them directly. Statuses are treated as the standard
+says: Warning goes on, Discard and Error raise, after Fatal nothing is called any more, not even
+free.
+
+This module refuses FMI 1, model exchange and scheduled execution.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import FmuError
+from harness.fmi.library import Library, library_path
+from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
+from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
+
+FATAL = 4
+Value = float | int | bool | str
+
+
+class FmuInstance(ABC):
+    """An instantiated FMU; use as a context manager, or call `free`.
+
+    `handle` is the component pointer, `log` the messages received so far.
+    """
+
+    def __init__(
+        self,
+        description: ModelDescription,
+        folder: Path,
+        name: str,
+        *,
+        logging: bool = False,
+        echo: Callable[[LogMessage], None] | None = None,
+    ) -> None:
+        """Load and instantiate; raises `FmuError` with what the FMU logged."""
+        if description.co_simulation is None:
+            raise FmuError(f"FMU {description.name} offers no co-simulation")
+        self.description = description
+        self.name = name
+        self.log = MessageLog(echo)
+        self._environment = register(self.log)
+        self._library = Library(
+            library_path(folder, description.co_simulation.model_identifier, description.fmi_major)
+        )
+        self._functions: dict[str, Any] = {}
+        self._dead = False
+        self.handle = self._instantiate(folder, logging)
+        if not self.handle:
+            raise FmuError(
+                f"component {name}: FMU {description.name} could not be instantiated: "
+                f"{self.log.reasons()}"
+            )
+
+    prefix: str
+
+    @abstractmethod
+    def _instantiate(self, folder: Path, logging: bool) -> int | None: ...
+
+    def address(self, name: str) -> int:
+        """Address of the C function `name`, without its prefix ("SetReal")."""
+        return self._library.address(self.prefix + name)
+
+    def call(self, name: str, *arguments: Any, what: str = "") -> None:
+        """Call the C function `name` with the instance and `arguments`; raise unless it succeeds."""
+        if self._dead:
+            raise FmuError(f"component {self.name} reported Fatal before and cannot be called")
+        function = self._functions.get(name)
+        if function is None:
+            prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
+            function = self._functions[name] = prototype(self.address(name))
+        self.check(function(self.handle, *arguments), name, what)
+
+    def check(self, status: int, name: str, what: str = "") -> None:
+        """Raise `FmuError` when `status` of function `name` is Discard, Error or Fatal."""
+        if status in (0, 1):
+            return
+        self._dead = self._dead or status == FATAL
+        label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+        raise FmuError(
+            f"component {self.name}: {self.prefix}{name}{what} returned {label}: {self.log.reasons()}"
+        )
+
+    def mark_dead(self) -> None:
+        """Nothing of this instance is called any more, because it reported Fatal."""
+        self._dead = True
+
+    # life cycle
+
+    @abstractmethod
+    def enter_initialization_mode(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Begin initialisation at `start_time` (s)."""
+
+    def exit_initialization_mode(self) -> None:
+        """End initialisation; the instance can do steps from now on."""
+        self.call("ExitInitializationMode")
+
+    def terminate(self) -> None:
+        """End the simulation of this instance."""
+        self.call("Terminate")
+
+    def reset(self) -> None:
+        """Bring the instance back to where it was after instantiation."""
+        self.call("Reset")
+
+    def free(self) -> None:
+        """Free the instance; harmless when it is gone already."""
+        if self.handle and not self._dead:
+            function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address("FreeInstance"))
+            function(self.handle)
+        self.handle = None
+        forget(self._environment)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    @abstractmethod
+    def do_step(self, time: float, step: float) -> None:
+        """Step from `time` by `step` (s)."""
+
+    # values
+
+    @abstractmethod
+    def accessor(self, variable: Variable) -> tuple[str, Any]:
+        """Suffix of the get and set functions for a variable's type, and its C type."""
+
+    def set(self, values: Mapping[str, Value | Sequence[float]]) -> None:
+        """Set variables by name; a value is a number, a boolean, a string, or numbers of an array."""
+        for name, value in values.items():
+            variable = self.description.variable(name)
+            suffix, ctype = self.accessor(variable)
+            data = _c_array(variable, value, ctype, self.name)
+            self._transfer(f"Set{suffix}", variable, data)
+
+    def get(self, name: str) -> Any:
+        """The value of a variable: a float, an int, a bool, a str, or an array of them."""
+        variable = self.description.variable(name)
+        suffix, ctype = self.accessor(variable)
+        data = (ctype * variable.size)()
+        self._transfer(f"Get{suffix}", variable, data)
+        values = [_from_c(variable, item) for item in data]
+        return values[0] if variable.size == 1 else np.array(values)
+
+    def _transfer(self, function: str, variable: Variable, data: Any) -> None:
+        reference = ctypes.c_uint32(variable.value_reference)
+        sizes = [ctypes.c_size_t(variable.size)] if self.prefix == "fmi3" else []
+        arguments = (ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(data), *sizes)
+        types = [
+            ctypes.c_void_p,
+            ctypes.c_size_t,
+            ctypes.c_void_p,
+            *(ctypes.c_size_t for _ in sizes),
+        ]
+        native = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)(self.address(function))
+        if self._dead:
+            raise FmuError(f"component {self.name} reported Fatal before and cannot be called")
+        self.check(native(self.handle, *arguments), function, f" of variable {variable.name!r}")
+
+    # state
+
+    def get_state(self) -> ctypes.c_void_p:
+        """A snapshot of the whole FMU state; give it back with `free_state`."""
+        state = ctypes.c_void_p()
+        self.call("GetFMUState" if self.prefix == "fmi3" else "GetFMUstate", ctypes.pointer(state))
+        return state
+
+    def set_state(self, state: ctypes.c_void_p) -> None:
+        """Return to a snapshot of this instance."""
+        self.call("SetFMUState" if self.prefix == "fmi3" else "SetFMUstate", state)
+
+    def free_state(self, state: ctypes.c_void_p) -> None:
+        """Give a snapshot back."""
+        self.call(
+            "FreeFMUState" if self.prefix == "fmi3" else "FreeFMUstate", ctypes.pointer(state)
+        )
+
+    # derivatives
+
+    def directional_derivative(
+        self, unknowns: Sequence[str], known: str, seed: float = 1.0
+    ) -> NDArray[np.float64]:
+        """d(unknowns)/d(known) * seed, shape (len(unknowns),)."""
+        references = (ctypes.c_uint32 * len(unknowns))(
+            *(self.description.variable(name).value_reference for name in unknowns)
+        )
+        reference = ctypes.pointer(
+            ctypes.c_uint32(self.description.variable(known).value_reference)
+        )
+        seeds, result = ctypes.pointer(ctypes.c_double(seed)), (ctypes.c_double * len(unknowns))()
+        n, one = ctypes.c_size_t(len(unknowns)), ctypes.c_size_t(1)
+        first, out = ctypes.cast(references, ctypes.c_void_p), ctypes.cast(result, ctypes.c_void_p)
+        if self.prefix == "fmi3":
+            sized = (first, n, reference, one, seeds, one, out, n)
+            self.call("GetDirectionalDerivative", *sized)
+        else:
+            self.call("GetDirectionalDerivative", first, n, reference, one, seeds, out)
+        return np.array(result)
+
+
+def _c_array(variable: Variable, value: Any, ctype: Any, component: str) -> Any:
+    items = list(value) if isinstance(value, (list, tuple, np.ndarray)) else [value]
+    if len(items) != variable.size:
+        raise FmuError(
+            f"component {component}: variable {variable.name!r} has {variable.size} element(s), "
+            f"but {len(items)} value(s) were given"
+        )
+    try:
+        return (ctype * variable.size)(*(_to_c(variable, item) for item in items))
+    except (TypeError, ValueError, KeyError) as fault:
+        raise FmuError(
+            f"component {component}: variable {variable.name!r} of type {variable.type} cannot be "
+            f"set to {value!r}"
+        ) from fault
+
+
+def _to_c(variable: Variable, value: Any) -> Any:
+    if variable.type in REAL_TYPES:
+        return float(value)
+    if variable.type in INTEGER_TYPES:
+        if float(value) != int(value):
+            raise ValueError(value)
+        return int(value)
+    if variable.type == "Boolean":
+        return {"true": True, "false": False, "1": True, "0": False}[str(value).lower()]
+    if variable.type == "String":
+        return str(value).encode()
+    raise TypeError(variable.type)
+
+
+def _from_c(variable: Variable, item: Any) -> Any:
+    if variable.type == "Boolean":
+        return bool(item)
+    if variable.type == "String":
+        return (item or b"").decode("utf-8", "replace")
+    return item

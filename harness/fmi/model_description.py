@@ -1,0 +1,219 @@
+"""What an FMU says of itself, read and validated by FMPy, offered as frozen dataclasses.
+
+All that the harness knows of an FMU's XML goes through this adapter. Documents with a DOCTYPE are
+refused, so no entity is ever expanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy.model_description import ValidationError
+
+from harness.errors import FmuError, nearest
+from harness.system.units import Unit
+
+INTEGER_TYPES = frozenset(
+    "Integer Enumeration Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64".split()
+)
+REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
+NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array)."""
+
+    name: str
+    value_reference: int
+    type: str
+    causality: str
+    variability: str
+    initial: str | None
+    start: str | None
+    unit: str | None
+    description: str
+    minimum: float | None
+    maximum: float | None
+    nominal: float | None
+    size: int = 1
+    derivative_of: str | None = None
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What the FMU says it can do in one kind of interface; `model_identifier` names its library."""
+
+    model_identifier: str
+    can_get_and_set_fmu_state: bool
+    can_serialize_fmu_state: bool
+    provides_directional_derivatives: bool
+    provides_adjoint_derivatives: bool
+    can_be_instantiated_only_once: bool
+    can_handle_variable_step: bool = True
+    fixed_internal_step_size: float | None = None
+    has_event_mode: bool = False
+    max_output_derivative_order: int = 0
+
+
+@dataclass(frozen=True)
+class ModelDescription:
+    """Identity, capabilities, variables and structure of an FMU.
+
+    `feedthrough` maps an output's name to the inputs on which it depends directly, or to None
+    where the FMU does not say (then it may depend on all). `states` are the names of the
+    continuous states with their derivatives' names, in the order of the model structure.
+    """
+
+    name: str
+    fmi_version: str
+    token: str
+    description: str
+    generation_tool: str
+    co_simulation: Capabilities | None
+    model_exchange: Capabilities | None
+    variables: Mapping[str, Variable]
+    units: Mapping[str, Unit]
+    feedthrough: Mapping[str, tuple[str, ...] | None]
+    states: tuple[tuple[str, str], ...]
+    start_time: float | None
+    stop_time: float | None
+    step_size: float | None
+    tolerance: float | None
+
+    @property
+    def fmi_major(self) -> int:
+        """1, 2 or 3."""
+        return int(self.fmi_version.split(".")[0])
+
+    @cached_property
+    def inputs(self) -> tuple[Variable, ...]:
+        """The input variables in the order of the file."""
+        return tuple(v for v in self.variables.values() if v.causality == "input")
+
+    @cached_property
+    def outputs(self) -> tuple[Variable, ...]:
+        """The output variables in the order of the file."""
+        return tuple(v for v in self.variables.values() if v.causality == "output")
+
+    def variable(self, name: str) -> Variable:
+        """The variable of that name; raises `FmuError` with the nearest legal names."""
+        try:
+            return self.variables[name]
+        except KeyError:
+            hint = nearest(name, self.variables)
+            raise FmuError(f"FMU {self.name} has no variable {name!r}; {hint}") from None
+
+
+def read_model_description(folder: Path, source: Path) -> ModelDescription:
+    """Read the unpacked FMU in `folder`; `source` is the archive, for messages.
+
+    Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
+    """
+    document = folder / "modelDescription.xml"
+    if b"<!DOCTYPE" in document.read_bytes():
+        raise FmuError(f"modelDescription.xml of {source} has a DOCTYPE, which FMUs may not have")
+    try:
+        description = fmpy.read_model_description(str(folder), validate=True)
+    except ValidationError as fault:
+        problems = "; ".join(str(problem) for problem in fault.problems[:3])
+        more = f" (and {len(fault.problems) - 3} more)" if len(fault.problems) > 3 else ""
+        raise FmuError(
+            f"modelDescription.xml of {source} is not valid: {problems}{more}"
+        ) from fault
+    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
+        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
+    return _adapt(description)
+
+
+def _adapt(d: Any) -> ModelDescription:
+    variables = {v.name: _variable(v) for v in d.modelVariables}
+    experiment = d.defaultExperiment
+    outputs = {u.variable.name: u for u in d.outputs if u.variable is not None}
+    return ModelDescription(
+        name=d.modelName,
+        fmi_version=d.fmiVersion,
+        token=d.instantiationToken or "",
+        description=d.description or "",
+        generation_tool=d.generationTool or "",
+        co_simulation=_capabilities(d.coSimulation),
+        model_exchange=_capabilities(d.modelExchange),
+        variables=variables,
+        units={u.name: _unit(u) for u in d.unitDefinitions},
+        feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},
+        states=tuple(
+            (u.variable.derivative.name, u.variable.name)
+            for u in d.derivatives
+            if u.variable is not None and u.variable.derivative is not None
+        ),
+        start_time=_number(experiment and experiment.startTime),
+        stop_time=_number(experiment and experiment.stopTime),
+        step_size=_number(experiment and experiment.stepSize),
+        tolerance=_number(experiment and experiment.tolerance),
+    )
+
+
+def _variable(v: Any) -> Variable:
+    size = 1
+    for dimension in v.dimensions:
+        size *= int(dimension.start if dimension.variable is None else dimension.variable.start)
+    declared = v.declaredType
+    return Variable(
+        name=v.name,
+        value_reference=v.valueReference,
+        type=v.type,
+        causality=v.causality or "local",
+        variability=v.variability or "continuous",
+        initial=v.initial,
+        start=v.start,
+        unit=v.unit or (declared.unit if declared is not None else None),
+        description=v.description or "",
+        minimum=_number(v.min),
+        maximum=_number(v.max),
+        nominal=_number(v.nominal),
+        size=size,
+        derivative_of=v.derivative.name if v.derivative is not None else None,
+    )
+
+
+def _feedthrough(unknown: Any, variables: Mapping[str, Variable]) -> tuple[str, ...] | None:
+    if unknown.dependencies is None:
+        return None
+    names = [v.name for v in unknown.dependencies]
+    return tuple(name for name in names if variables[name].causality == "input")
+
+
+def _capabilities(c: Any) -> Capabilities | None:
+    if c is None:
+        return None
+    return Capabilities(
+        model_identifier=c.modelIdentifier,
+        can_get_and_set_fmu_state=bool(c.canGetAndSetFMUstate),
+        can_serialize_fmu_state=bool(c.canSerializeFMUstate),
+        provides_directional_derivatives=bool(c.providesDirectionalDerivative),
+        provides_adjoint_derivatives=bool(c.providesAdjointDerivatives),
+        can_be_instantiated_only_once=bool(c.canBeInstantiatedOnlyOncePerProcess),
+        can_handle_variable_step=bool(getattr(c, "canHandleVariableCommunicationStepSize", True)),
+        fixed_internal_step_size=_number(getattr(c, "fixedInternalStepSize", None)),
+        has_event_mode=bool(getattr(c, "hasEventMode", False)),
+        max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
+    )
+
+
+def _unit(u: Any) -> Unit:
+    if u.baseUnit is None:
+        return Unit(u.name)
+    b = u.baseUnit
+    exponents = tuple(
+        int(getattr(b, name)) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+    )
+    return Unit(u.name, exponents, float(b.factor), float(b.offset))
+
+
+def _number(text: Any) -> float | None:
+    return None if text is None else float(text)
