@@ -23,13 +23,20 @@ class BlockSignal(Protocol):
     """One named scalar at the border of a block."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Unique among the inputs, or outputs, of the block."""
+
     @property
-    def unit(self) -> str: ...
+    def unit(self) -> str:
+        """Such as "N"; "1" is dimensionless, "" is not stated and takes that of its neighbour."""
+
     @property
-    def description(self) -> str: ...
+    def description(self) -> str:
+        """One line for people."""
+
     @property
-    def start(self) -> float: ...
+    def start(self) -> float:
+        """What a reader sees before the block has run for the first time."""
 
 
 @runtime_checkable
@@ -37,23 +44,32 @@ class Block(Protocol):
     """A discrete-time block ready to run; see the module docstring."""
 
     @property
-    def inputs(self) -> Sequence[BlockSignal]: ...
+    def inputs(self) -> Sequence[BlockSignal]:
+        """In the order of `u`."""
+
     @property
-    def outputs(self) -> Sequence[BlockSignal]: ...
+    def outputs(self) -> Sequence[BlockSignal]:
+        """In the order of `y`."""
+
     @property
-    def step(self) -> StepFunction: ...
+    def step(self) -> StepFunction:
+        """`step(p, x, u, y)`."""
+
     @property
-    def parameters(self) -> Array: ...
+    def parameters(self) -> Array:
+        """`p`, shape (n_p,)."""
+
     @property
-    def state(self) -> Array: ...
+    def state(self) -> Array:
+        """Initial `x`, shape (n_x,)."""
 
 
 @dataclass(frozen=True)
 class Port:
-    """A named scalar of a block of the harness itself; meets `BlockSignal`."""
+    """A named scalar of a block of the harness itself; unit "" takes that of its neighbour."""
 
     name: str
-    unit: str = "1"
+    unit: str = ""
     description: str = ""
     start: float = 0.0
 

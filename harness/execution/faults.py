@@ -1,0 +1,84 @@
+"""What ended a run, in one sentence: which component, which call, which time, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.errors import SimulationError
+from harness.execution import operations as op
+from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
+from harness.execution.clock import show, to_seconds
+from harness.execution.loop import INSTANT, OPERATION, STATUS
+from harness.execution.program import Program
+from harness.fmi.instance import FATAL, FmuInstance
+from harness.fmi.logger import STATUS_NAMES
+from harness.system.lowering import rate_of
+
+
+def explain(
+    program: Program, instances: Mapping[str, FmuInstance], outcome: int
+) -> SimulationError:
+    """The fault behind `outcome` of the loop; an exception of a Python block is its cause."""
+    now = int(program.clock[INSTANT])
+    action = program.owners[int(program.clock[OPERATION])]
+    when = f"at t = {to_seconds(now):.9g} s"
+    name = getattr(action, "component", "?")
+    if outcome == op.TERMINATED:
+        return SimulationError(f"component {name}: the FMU asked for the end of the run {when}")
+    if outcome == op.NOT_FINITE:
+        return SimulationError(_not_finite(program, name, when))
+    if name in program.callbacks:
+        return _python_fault(program, name, now, when)
+    status = int(program.clock[STATUS])
+    instance = instances[_fmu_of(program, action)]
+    if status == FATAL:
+        instance.mark_dead()
+    label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+    return SimulationError(
+        f"component {instance.name}: {_call_name(action)} {when} returned {label}: "
+        f"{instance.log.reasons()}"
+    )
+
+
+def _not_finite(program: Program, name: str, when: str) -> str:
+    row = program.code[int(program.clock[OPERATION])]
+    slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
+    everywhere = [*program.layout.slots.items(), *program.layout.ahead.items()]
+    port = next((end for end, place in everywhere if place == slot), name)
+    return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
+
+
+def _python_fault(program: Program, name: str, now: int, when: str) -> SimulationError:
+    fault = program.callbacks[name].fault
+    component = program.plan.lowered.component(name)
+    rate = rate_of(component)
+    start = program.plan.lowered.system.start_ns
+    tick = (now - start - rate.phase_ns) // rate.period_ns
+    error = SimulationError(
+        f"controller {name} raised {type(fault).__name__}: {fault} {when} (sample {tick})"
+    )
+    error.__cause__ = fault
+    return error
+
+
+def _fmu_of(program: Program, action: Action) -> str:
+    if isinstance(action, Linearise):
+        component = program.plan.lowered.component(action.component)
+        return str(getattr(component, "component", action.component))
+    assert isinstance(action, (Read, Write, Step, Compute))
+    return action.component
+
+
+def _call_name(action: Action) -> str:
+    match action:
+        case Read():
+            return f"getting {', '.join(action.outputs)}"
+        case Write():
+            return f"setting {', '.join(action.inputs)}"
+        case Step():
+            return f"doStep by {show(action.step_ns)}"
+        case Linearise():
+            return "directional derivative"
+    return type(action).__name__

@@ -1,0 +1,87 @@
+"""Where everything lies in memory: one float64 slot for every port that a plan touches.
+
+The ports of a component that are handed over in one call lie side by side: the inputs and the
+outputs of a block, and the inputs or outputs of an FMU that have the same C type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from harness.execution import operations as op
+from harness.execution.actions import Read
+from harness.execution.plan import Plan
+from harness.fmi.model_description import ModelDescription, Variable
+from harness.system.graph import Endpoint
+
+FLOAT64 = -1
+"""The kind of a number that needs no encoding."""
+
+_FMI2_KINDS = {
+    "Real": ("Real", FLOAT64),
+    "Integer": ("Integer", op.INT32),
+    "Enumeration": ("Integer", op.INT32),
+    "Boolean": ("Boolean", op.INT32),
+}
+_FMI3_KINDS = {
+    "Float64": ("Float64", FLOAT64),
+    "Float32": ("Float32", op.FLOAT32),
+    "Int8": ("Int8", op.INT8),
+    "UInt8": ("UInt8", op.UINT8),
+    "Int16": ("Int16", op.INT16),
+    "UInt16": ("UInt16", op.UINT16),
+    "Int32": ("Int32", op.INT32),
+    "UInt32": ("UInt32", op.UINT32),
+    "Int64": ("Int64", op.INT64),
+    "UInt64": ("UInt64", op.UINT64),
+    "Enumeration": ("Int64", op.INT64),
+    "Boolean": ("Boolean", op.BOOL8),
+}
+
+
+def access(variable: Variable, fmi_major: int) -> tuple[str, int]:
+    """Suffix of the get and set functions of a variable, and the kind of its C type."""
+    return (_FMI2_KINDS if fmi_major == 2 else _FMI3_KINDS)[variable.type]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Slots by port. `ahead` holds the values that an FMU has at the end of its step."""
+
+    slots: Mapping[Endpoint, int]
+    ahead: Mapping[Endpoint, int]
+    size: int
+
+    def slot(self, end: Endpoint, *, ahead: bool = False) -> int:
+        """The slot of a port; of its value ahead, where there is one and it is asked for."""
+        return self.ahead[end] if ahead and end in self.ahead else self.slots[end]
+
+
+def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Layout:
+    """Give a slot to every port that `plan` touches."""
+
+    def grouped(ends: Iterable[Endpoint]) -> list[Endpoint]:
+        def key(end: Endpoint) -> tuple[str, str]:
+            d = descriptions[end.component]
+            return end.component, access(d.variable(end.variable), d.fmi_major)[0]
+
+        return sorted(ends, key=key)
+
+    slots: dict[Endpoint, int] = {}
+    for end in [*grouped(plan.written), *grouped(plan.read)]:
+        slots.setdefault(end, len(slots))
+    for component in plan.lowered.sampled:
+        for signals in (component.inputs, component.outputs):
+            for signal in signals:
+                slots[Endpoint(component.name, signal.name)] = len(slots)
+    early = {
+        Endpoint(action.component, name)
+        for instant in plan.instants
+        for action in instant.actions
+        if isinstance(action, Read) and action.ahead
+        for name in action.outputs
+    }
+    rank = {end: i for i, end in enumerate(slots)}
+    ahead = {end: len(slots) + i for i, end in enumerate(sorted(early, key=rank.__getitem__))}
+    return Layout(slots, ahead, len(slots) + len(ahead))

@@ -1,0 +1,358 @@
+"""The planner: from a lowered system to a schedule of actions that repeats every cycle.
+
+At each instant, in this order (the timing contract):
+
+    0  delay lines whose value arrives now
+    1  signals are sampled, FMU outputs are read, sensitivities computed
+    2  blocks that are due compute, in the order of their wires
+    3  what they computed goes to the FMU inputs, a row is recorded
+    4  FMUs step to their next instant
+
+Jacobi and Gauss–Seidel differ in part 4 only: Jacobi writes all inputs and then steps all FMUs;
+Gauss–Seidel steps them one after the other, each with what those before it have reached.
+
+It refuses rates that do not divide one another, loops of blocks without delay, and cycles that
+would need more than `MAX_ACTIONS` actions.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import networkx as nx
+
+from harness.errors import GraphError, TimingError
+from harness.execution.actions import (
+    Action,
+    Compute,
+    Instant,
+    Linearise,
+    Read,
+    Record,
+    Sample,
+    Step,
+    Transfer,
+    Write,
+)
+from harness.execution.clock import common_cycle, show
+from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
+from harness.fmi.model_description import ModelDescription
+from harness.system.graph import (
+    Component,
+    Endpoint,
+    FmuComponent,
+    SampledComponent,
+    SensitivityComponent,
+    SignalComponent,
+)
+from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
+
+MAX_ACTIONS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The schedule of one cycle, and what initialises a run.
+
+    `initial` propagates values once, before the first cycle; `read` and `written` are the FMU
+    ports that the plan touches, each in the order in which they should lie in memory; `recorded`
+    are the columns of a row.
+    """
+
+    lowered: LoweredSystem
+    cycle_ns: int
+    instants: tuple[Instant, ...]
+    initial: tuple[Action, ...]
+    read: tuple[Endpoint, ...]
+    written: tuple[Endpoint, ...]
+    recorded: tuple[Endpoint, ...]
+
+
+def make_plan(
+    lowered: LoweredSystem,
+    descriptions: Mapping[str, ModelDescription],
+    recorded: tuple[Endpoint, ...],
+) -> Plan:
+    """Plan a checked and lowered system; raises `GraphError` or `TimingError`."""
+    return _Planner(lowered, descriptions, recorded).plan()
+
+
+class _Planner:
+    def __init__(
+        self,
+        lowered: LoweredSystem,
+        descriptions: Mapping[str, ModelDescription],
+        recorded: tuple[Endpoint, ...],
+    ) -> None:
+        self.lowered = lowered
+        self.system = lowered.system
+        self.descriptions = descriptions
+        self.recorded = recorded
+        self.fmus = {c.name: c for c in lowered.fmus}
+        self.by_name: dict[str, Component] = {c.name: c for c in lowered.components}
+        self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
+        for wire in lowered.wires:
+            self.wires_to[wire.target.component].append(wire)
+        self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
+        self._check_rates()
+        periods = [rate_of(c).period_ns for c in lowered.components]
+        self.cycle_ns = common_cycle([*periods, self.system.record_ns])
+        self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
+        self.due = {name: frozenset(grid) for name, grid in self.grid.items()}
+        self._check_size()
+        self._check_stop()
+        self.blocks = self._order_blocks()
+        self.stages = self._reading_stages()
+        self.fresh = self._fresh_stages()
+
+    def plan(self) -> Plan:
+        offsets = {0, *range(0, self.cycle_ns, self.system.record_ns)}
+        for component in self.lowered.sampled:
+            offsets.update(self._sample_offsets(component))
+        for grid in self.grid.values():
+            offsets.update(grid)
+        return Plan(
+            self.lowered,
+            self.cycle_ns,
+            tuple(Instant(o, tuple(self._actions(o))) for o in sorted(offsets)),
+            tuple(self._initial_actions()),
+            tuple(end for stage in self.stages for end in stage.outputs),
+            self._written(),
+            self.recorded,
+        )
+
+    # rates
+
+    def _check_rates(self) -> None:
+        for wire in self.lowered.wires:
+            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
+            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
+            other = target if fmu is source else source
+            if fmu is None or isinstance(other, DelayComponent):
+                continue
+            rate = rate_of(other)
+            fast, slow = sorted((fmu.step_ns, rate.period_ns))
+            if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
+                offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
+                raise TimingError(
+                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps by "
+                    f"{show(fmu.step_ns)}: one must be a whole multiple of the other"
+                )
+
+    def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
+        offsets = set(range(0, self.cycle_ns, fmu.step_ns))
+        capabilities = self.descriptions[fmu.name].co_simulation
+        for wire in self.wires_to[fmu.name]:
+            source = self.by_name[wire.source.component]
+            if isinstance(source, DelayComponent):
+                arrivals = self._sample_offsets(source)
+                if capabilities is not None and not capabilities.can_handle_variable_step:
+                    if set(arrivals) - offsets:
+                        raise TimingError(
+                            f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes "
+                            f"steps of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
+                        )
+                offsets.update(arrivals)
+        return tuple(sorted(offsets))
+
+    def _sample_offsets(self, component: SampledComponent) -> range:
+        rate = rate_of(component)
+        return range(rate.phase_ns, self.cycle_ns, rate.period_ns)
+
+    def _check_size(self) -> None:
+        rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
+        count = sum(self.cycle_ns // period for period in rates.values())
+        if count > MAX_ACTIONS:
+            text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
+            raise TimingError(
+                f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
+                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: {text}"
+            )
+        for c in self.lowered.sampled:
+            if rate_of(c).phase_ns >= rate_of(c).period_ns:
+                rate = rate_of(c)
+                raise TimingError(
+                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
+                    f"{show(rate.period_ns)}"
+                )
+
+    def _check_stop(self) -> None:
+        length = self.system.stop_ns - self.system.start_ns
+        for fmu in self.fmus.values():
+            if length % fmu.step_ns:
+                raise TimingError(
+                    f"{fmu.name} steps by {show(fmu.step_ns)}, which does not divide the run of "
+                    f"{show(length)}; the nearest stop time is "
+                    f"{show(self.system.start_ns + round(length / fmu.step_ns) * fmu.step_ns)}"
+                )
+
+    # order
+
+    def _order_blocks(self) -> list[SampledComponent]:
+        names = [c.name for c in self.lowered.sampled if not isinstance(c, DelayComponent)]
+        graph = nx.DiGraph()
+        graph.add_nodes_from(names)
+        ends: dict[tuple[str, str], Wire] = {}
+        for wire in self.lowered.wires:
+            pair = (wire.source.component, wire.target.component)
+            if graph.has_node(pair[0]) and graph.has_node(pair[1]):
+                graph.add_edge(*pair)
+                ends[pair] = wire
+        rank = {name: i for i, name in enumerate(names)}
+        try:
+            order = list(nx.lexicographical_topological_sort(graph, key=rank.__getitem__))
+        except nx.NetworkXUnfeasible:
+            loop = [ends[edge[0], edge[1]] for edge in nx.find_cycle(graph)]
+            path = ", ".join(f"{wire.source} -> {wire.target}" for wire in loop)
+            raise GraphError(
+                f"blocks wait for each other at the same instant: {path}; put a delay of one sample "
+                "on one of these wires"
+            ) from None
+        chosen = [self.by_name[name] for name in order]
+        return [c for c in chosen if not isinstance(c, FmuComponent)]
+
+    def _fmu_sources(self) -> list[Endpoint]:
+        wired = [w.source for w in self.lowered.wires if w.source.component in self.fmus]
+        return [*wired, *(end for end in self.recorded if self._is_fmu_output(end))]
+
+    def _is_fmu_output(self, end: Endpoint) -> bool:
+        inputs = {wire.target for wire in self.lowered.wires}
+        return end.component in self.fmus and end not in inputs
+
+    def _reading_stages(self) -> tuple[Stage, ...]:
+        def known(wire: Wire) -> bool:
+            source = self.by_name[wire.source.component]
+            return isinstance(source, (FmuComponent, SignalComponent))
+
+        wires = [w for w in self.lowered.wires if w.target.component in self.fmus and known(w)]
+        return coupling_stages(self._fmu_sources(), wires, self.descriptions)
+
+    def _fresh_stages(self) -> tuple[Stage, ...]:
+        """How outputs that depend directly on what blocks have just computed reach other FMUs."""
+        wires = [w for w in self.lowered.wires if w.target.component in self.fmus]
+        changed = {w.target for w in wires if w.source.component not in self.fmus
+                   and not isinstance(self.by_name[w.source.component], SignalComponent)}  # fmt: skip
+        outputs: list[Endpoint] = []
+        while True:
+            found = [
+                w.source for w in wires
+                if w.source.component in self.fmus and w.source not in outputs
+                and feeding_inputs(w.source, self.descriptions) & changed
+            ]  # fmt: skip
+            if not found:
+                break
+            outputs += dict.fromkeys(found)
+            changed |= {w.target for w in wires if w.source in found}
+        if not outputs:
+            return ()
+        inner = [w for w in wires if w.source in outputs]
+        return coupling_stages(outputs, inner, self.descriptions)
+
+    def _written(self) -> tuple[Endpoint, ...]:
+        early = [wire.target for stage in self.stages for wire in stage.wires]
+        every = [w.target for w in self.lowered.wires if w.target.component in self.fmus]
+        return tuple(dict.fromkeys([*early, *every]))
+
+    # actions
+
+    def _actions(self, offset: int) -> Iterator[Action]:
+        due = [name for name, instants in self.due.items() if offset in instants]
+        sampled = [c for c in self.blocks if offset in self._sample_offsets(c)]
+        for c in self.lowered.sampled:
+            if isinstance(c, DelayComponent) and offset in self._sample_offsets(c):
+                yield from self._compute(c)
+        yield from (Sample(c.name) for c in sampled if isinstance(c, SignalComponent))
+        yield from self._staged(self.stages, due)
+        yield from (Linearise(c.name) for c in sampled if isinstance(c, SensitivityComponent))
+        for c in sampled:
+            if not isinstance(c, (SignalComponent, SensitivityComponent)):
+                yield from self._compute(c)
+        yield from self._apply(due)
+        if offset % self.system.record_ns == 0:
+            yield Record()
+        yield from self._steps(offset, due)
+
+    def _compute(self, component: Component) -> Iterator[Action]:
+        if self.wires_to[component.name]:
+            yield Transfer(tuple(self.wires_to[component.name]))
+        yield Compute(component.name)
+
+    def _staged(
+        self, stages: tuple[Stage, ...], due: list[str], ahead: bool = False
+    ) -> Iterator[Action]:
+        for stage in stages:
+            wires = tuple(w for w in stage.wires if w.target.component in due)
+            if wires:
+                yield Transfer(wires, ahead)
+                yield from _grouped(Write, [w.target for w in wires])
+            outputs = [end for end in stage.outputs if end.component in due]
+            for name, variables in _by_component(outputs).items():
+                yield Read(name, variables, ahead)
+
+    def _apply(self, due: list[str]) -> Iterator[Action]:
+        wires = tuple(wire for name in due for wire in self.wires_to[name])
+        if wires:
+            yield Transfer(wires)
+        if self.fresh:
+            yield from self._write(due)
+            yield from self._staged(self.fresh, due, ahead=True)
+            outputs = {end for stage in self.fresh for end in stage.outputs}
+            moved = tuple(wire for wire in wires if wire.source in outputs)
+            yield Transfer(moved, ahead=True)
+
+    def _write(self, due: list[str]) -> Iterator[Action]:
+        for name in due:
+            yield from _grouped(Write, [e for e in self._written() if e.component == name])
+
+    def _steps(self, offset: int, due: list[str]) -> Iterator[Action]:
+        if self.system.algorithm == "jacobi":
+            yield from self._write(due)
+            yield from (Step(name, self._step_from(name, offset)) for name in due)
+            return
+        for name in due:
+            before = self._wires_from_before(name)
+            if before:
+                yield Transfer(before, ahead=True)
+            yield from self._write([name])
+            yield Step(name, self._step_from(name, offset))
+            later = [w.source for other in self.fmus for w in self._wires_from_before(other)
+                     if w.source.component == name]  # fmt: skip
+            if later:
+                yield Read(name, tuple(dict.fromkeys(end.variable for end in later)), ahead=True)
+
+    def _wires_from_before(self, name: str) -> tuple[Wire, ...]:
+        place = self.position
+        return tuple(
+            w for w in self.wires_to[name]
+            if w.source.component in place and place[w.source.component] < place[name]
+        )  # fmt: skip
+
+    def _step_from(self, name: str, offset: int) -> int:
+        grid = self.grid[name]
+        following = bisect_right(grid, offset)
+        return (grid[following] if following < len(grid) else self.cycle_ns) - offset
+
+    def _initial_actions(self) -> Iterator[Action]:
+        names = list(self.fmus)
+        yield from self._staged(self.stages, names)
+        for component in self.lowered.sampled:
+            if self.wires_to[component.name]:
+                yield Transfer(tuple(self.wires_to[component.name]))
+        wires = tuple(wire for name in names for wire in self.wires_to[name])
+        if wires:
+            yield Transfer(wires)
+            yield from self._write(names)
+
+
+def _by_component(ends: list[Endpoint]) -> dict[str, tuple[str, ...]]:
+    grouped: dict[str, tuple[str, ...]] = {}
+    for end in ends:
+        grouped[end.component] = (*grouped.get(end.component, ()), end.variable)
+    return grouped
+
+
+def _grouped(kind: type[Write], ends: list[Endpoint]) -> Iterator[Write]:
+    for name, variables in _by_component(list(dict.fromkeys(ends))).items():
+        yield kind(name, variables)

@@ -1,0 +1,308 @@
+"""A run from a system as data to recorded rows.
+
+    open FMUs -> check -> lower -> plan -> instantiate -> initialise -> link -> loop -> terminate
+
+The loop is called for some cycles at a time, so that progress can be shown, rows written out and
+Ctrl-C heard. Whatever ends a run early is returned as the outcome's fault; the rows before it
+have been handed to the recorder.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Protocol
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import GraphError, HarnessError, SimulationError, nearest
+from harness.execution import operations as op
+from harness.execution.clock import to_seconds
+from harness.execution.faults import explain
+from harness.execution.loop import CYCLE, ROWS, run_cycles
+from harness.execution.plan import Plan, make_plan
+from harness.execution.program import Program, link
+from harness.fmi.fmu import Fmu
+from harness.fmi.instance import FmuInstance
+from harness.fmi.logger import LogMessage
+from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription
+from harness.system.check import check, inputs_of, outputs_of
+from harness.system.graph import Endpoint, FmuComponent, System
+from harness.system.lowering import DelayComponent, lower
+
+_FIRST_CHUNK = 64
+_CHUNK_ROWS = 16384
+_CHUNK_SECONDS = 0.05
+
+Progress = Callable[[float], None]
+"""Called with the share of the run that is done, 0 to 1."""
+
+
+class Recorder(Protocol):
+    """Receives rows as they come."""
+
+    def write(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        """Times (n,) and rows (n, columns); both are only valid during the call."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A recorded signal."""
+
+    name: str
+    unit: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: at `end_ns`, with `fault` where it did not reach its stop time."""
+
+    end_ns: int
+    fault: HarnessError | None
+    wall_seconds: float
+
+
+@contextmanager
+def opened(system: System) -> Iterator[dict[str, Fmu]]:
+    """The FMUs of a system by component name; each archive is unpacked once."""
+    with ExitStack() as stack:
+        by_path: dict[str, Fmu] = {}
+        for component in system.fmus:
+            key = str(component.path)
+            if key not in by_path:
+                by_path[key] = stack.enter_context(Fmu(component.path))
+        yield {c.name: by_path[str(c.path)] for c in system.fmus}
+
+
+def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
+    """Check, lower and plan; `record` are patterns of the signals to record."""
+    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    check(system, descriptions)
+    recorded = recorded_ports(system, descriptions, record)
+    return make_plan(lower(system, descriptions), descriptions, recorded)
+
+
+def recorded_ports(
+    system: System, descriptions: Mapping[str, ModelDescription], patterns: tuple[str, ...]
+) -> tuple[Endpoint, ...]:
+    """FMU outputs and connected inputs, block inputs and outputs that match a pattern.
+
+    A pattern with no wildcard may also name any local variable of an FMU. Raises `GraphError`
+    where a pattern matches nothing.
+    """
+    wired = {c.target for c in system.connections}
+    offered: list[Endpoint] = []
+    exact: list[Endpoint] = []
+    for c in system.components:
+        readable = [Endpoint(c.name, name) for name in outputs_of(c, descriptions)]
+        inputs = [Endpoint(c.name, name) for name in inputs_of(c, descriptions)]
+        if isinstance(c, FmuComponent):
+            d = descriptions[c.name]
+            kinds = {
+                v.name for v in d.variables.values() if v.type in NUMERIC_TYPES and v.size == 1
+            }
+            exact += [end for end in readable if end.variable in kinds]
+            causal = {v.name for v in d.outputs}
+            readable = [e for e in readable if e.variable in causal and e.variable in kinds]
+            inputs = [end for end in inputs if end in wired]
+        offered += [*readable, *inputs]
+    chosen: dict[Endpoint, None] = {}
+    for pattern in patterns:
+        found = [end for end in offered if fnmatchcase(str(end), pattern)]
+        found = found or [end for end in exact if str(end) == pattern]
+        if not found:
+            hint = nearest(pattern, [str(end) for end in [*offered, *exact]])
+            raise GraphError(f"nothing to record matches {pattern!r}; {hint}")
+        chosen.update(dict.fromkeys(found))
+    return tuple(chosen)
+
+
+def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
+    """What the columns of a recorded row are; an input without a unit has that of its source."""
+    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    system = plan.lowered.system
+    sources = {c.target: c.source for c in system.connections}
+    columns = []
+    for end in plan.recorded:
+        component = system.component(end.component)
+        ports = {**inputs_of(component, descriptions), **outputs_of(component, descriptions)}
+        unit, seen = ports[end.variable].unit, {end}
+        while unit is None and end in sources and sources[end] not in seen:
+            end = sources[end]
+            seen.add(end)
+            unit = outputs_of(system.component(end.component), descriptions)[end.variable].unit
+        described = ports.get(end.variable)
+        columns.append(
+            Column("", unit.name if unit else "", described.description if described else "")
+        )
+    return tuple(
+        Column(str(end), column.unit, column.description)
+        for end, column in zip(plan.recorded, columns, strict=True)
+    )
+
+
+def execute(
+    plan: Plan,
+    fmus: Mapping[str, Fmu],
+    recorder: Recorder,
+    *,
+    progress: Progress | None = None,
+    echo: Callable[[str, LogMessage], None] | None = None,
+) -> Outcome:
+    """Run `plan`; faults of the run itself come back in the outcome, not as exceptions."""
+    began = time.perf_counter()
+    with ExitStack() as stack:
+        instances: dict[str, FmuInstance] = {}
+        clock = None
+        fault: HarnessError | None = None
+        try:
+            for c in plan.lowered.fmus:
+                instances[c.name] = stack.enter_context(_instance(c, fmus[c.name], echo))
+            program = _initialise(plan, instances)
+            clock = program.clock
+            fault = _loop(program, instances, recorder, progress)
+            if fault is None:
+                for instance in instances.values():
+                    instance.terminate()
+        except HarnessError as caught:
+            fault = caught
+    system = plan.lowered.system
+    end = system.start_ns if clock is None else int(clock[1])
+    end = system.stop_ns if fault is None else end
+    return Outcome(end, fault, time.perf_counter() - began)
+
+
+def _instance(
+    component: FmuComponent, fmu: Fmu, echo: Callable[[str, LogMessage], None] | None
+) -> FmuInstance:
+    name = component.name
+    seen = None if echo is None else (lambda message: echo(name, message))
+    return fmu.instantiate(name, logging=echo is not None, echo=seen)
+
+
+def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
+    system = plan.lowered.system
+    start, stop = to_seconds(system.start_ns), to_seconds(system.stop_ns)
+    for component in plan.lowered.fmus:
+        instance = instances[component.name]
+        instance.set(component.start_values)
+        instance.enter_initialization_mode(start, stop, component.tolerance)
+    program = link(plan, instances)
+    for signal in program.signals:
+        first = signal.source.sampler(_seed(system, signal.name))
+        value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
+        program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
+    outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
+    if outcome != op.OK:
+        raise explain(program, instances, outcome)
+    program.clock[:] = 0
+    for component in plan.lowered.sampled:
+        if isinstance(component, DelayComponent):
+            held = program.v[program.layout.slots[Endpoint(component.name, "in")]]
+            program.states[component.name][1:] = held
+            program.v[program.layout.slots[Endpoint(component.name, "out")]] = held
+    for instance in instances.values():
+        instance.exit_initialization_mode()
+    return program
+
+
+class _Samples:
+    """The prepared samples of all signals, refilled for each chunk of cycles."""
+
+    def __init__(self, program: Program) -> None:
+        system = program.plan.lowered.system
+        self.start, self.stop = system.start_ns, system.stop_ns
+        self.cycle_ns = program.plan.cycle_ns
+        self.signals = program.signals
+        self.samplers = [s.source.sampler(_seed(system, s.name)) for s in program.signals]
+        self.cursors = np.zeros(max(1, len(self.signals)), dtype=np.int64)
+        self.values = np.zeros(1)
+
+    def fill(self, first_cycle: int, n_cycles: int) -> None:
+        """Prepare the samples of `n_cycles` cycles from `first_cycle` on."""
+        parts = []
+        position = 0
+        for i, (signal, sampler) in enumerate(zip(self.signals, self.samplers, strict=True)):
+            first = self.start + first_cycle * self.cycle_ns
+            times = np.arange(
+                first + signal.phase_ns, first + n_cycles * self.cycle_ns, signal.period_ns
+            )
+            parts.append(sampler.sample(times[times <= self.stop].astype(np.int64)))
+            self.cursors[i] = position
+            position += len(parts[-1])
+        if parts:
+            self.values = np.concatenate(parts)
+
+
+def _loop(
+    program: Program,
+    instances: Mapping[str, FmuInstance],
+    recorder: Recorder,
+    progress: Progress | None,
+) -> SimulationError | None:
+    system, cycle_ns = program.plan.lowered.system, program.plan.cycle_ns
+    n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
+    rows_per_cycle = cycle_ns // system.record_ns
+    samples = _Samples(program)
+    chunk = 1 if rows_per_cycle > _CHUNK_ROWS else _FIRST_CHUNK
+    cycle = 0
+    while cycle < n_cycles:
+        chunk = min(chunk, n_cycles - cycle)
+        samples.fill(cycle, chunk)
+        program.clock[ROWS] = 0
+        rows = np.empty((chunk * rows_per_cycle, len(program.recorded)))
+        times = np.empty(chunk * rows_per_cycle, dtype=np.int64)
+        span = (system.start_ns, system.stop_ns, cycle_ns, cycle + chunk)
+        began = time.perf_counter()
+        try:
+            outcome = _call(program, program.instants, samples, span, rows, times)
+        finally:
+            done = program.clock[ROWS]
+            if done:
+                recorder.write(times[:done], rows[:done])
+        if outcome != op.OK:
+            return explain(program, instances, outcome)
+        cycle = int(program.clock[CYCLE])
+        if progress is not None:
+            progress(min(1.0, cycle / n_cycles))
+        if time.perf_counter() - began < _CHUNK_SECONDS:
+            chunk = max(1, min(2 * chunk, _CHUNK_ROWS // rows_per_cycle))
+        else:
+            chunk = max(1, chunk // 2)
+    return None
+
+
+def _call(
+    program: Program,
+    instants: NDArray[np.int64],
+    samples: _Samples,
+    span: tuple[int, int, int, int],
+    rows: NDArray[np.float64] | None = None,
+    times: NDArray[np.int64] | None = None,
+) -> int:
+    outcome: int = run_cycles(
+        program.code,
+        instants,
+        np.array(span, dtype=np.int64),
+        program.clock,
+        program.v,
+        program.copies,
+        program.scales,
+        samples.values,
+        samples.cursors,
+        program.exchange,
+        program.recorded,
+        np.empty((0, len(program.recorded))) if rows is None else rows,
+        np.empty(0, dtype=np.int64) if times is None else times,
+    )
+    return outcome
+
+
+def _seed(system: System, name: str) -> np.random.SeedSequence:
+    return np.random.SeedSequence([system.seed, crc32(name.encode())])

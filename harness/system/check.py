@@ -1,0 +1,190 @@
+"""Judges a system before anything is loaded; every fault names both ends and the legal choices.
+
+All faults are reported at once, one sentence a line. What cannot be judged here (algebraic loops,
+rates that share no cycle) is judged by the planner, still before anything is loaded.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from harness.errors import GraphError, UnitError, nearest
+from harness.execution.clock import show
+from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription, Variable
+from harness.system.graph import (
+    ALGORITHMS,
+    Component,
+    Connection,
+    Endpoint,
+    FmuComponent,
+    SensitivityComponent,
+    System,
+)
+from harness.system.units import Unit, conversion, parse_unit
+
+Descriptions = Mapping[str, ModelDescription]
+_READABLE = ("output", "local", "calculatedParameter", "independent")
+
+
+@dataclass(frozen=True)
+class PortInfo:
+    """What stands at an end of a wire: unit (None where not stated), FMI type and start value."""
+
+    unit: Unit | None
+    type: str = "Float64"
+    start: float = 0.0
+    description: str = ""
+
+
+def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, PortInfo]:
+    """The variables of a component that may be the source of a wire, by name."""
+    if isinstance(component, FmuComponent):
+        d = descriptions[component.name]
+        return {v.name: _info(v, d) for v in d.variables.values() if v.causality in _READABLE}
+    return {
+        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
+        for s in component.outputs
+    }
+
+
+def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, PortInfo]:
+    """The variables of a component that may be the target of a wire, by name."""
+    if isinstance(component, FmuComponent):
+        d = descriptions[component.name]
+        return {v.name: _info(v, d) for v in d.variables.values() if _writable(v)}
+    return {
+        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
+        for s in component.inputs
+    }
+
+
+def check(system: System, descriptions: Descriptions) -> None:
+    """Raise `GraphError` with one line for each fault of `system`."""
+    faults = list(_component_faults(system, descriptions))
+    if not faults:
+        faults = [f for c in system.connections for f in _wire_faults(system, c, descriptions)]
+        faults += _wiring_faults(system, descriptions)
+    if faults:
+        raise GraphError("\n".join(faults))
+
+
+def _component_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
+    if system.algorithm not in ALGORITHMS:
+        yield f"algorithm {system.algorithm!r} is unknown; {nearest(system.algorithm, ALGORITHMS)}"
+    if system.stop_ns <= system.start_ns:
+        yield f"stop time {show(system.stop_ns)} is not after start time {show(system.start_ns)}"
+    for name, count in Counter(c.name for c in system.components).items():
+        if count > 1:
+            yield f"component name {name!r} is used {count} times; names must be unique"
+    names = [c.name for c in system.components]
+    for component in system.components:
+        if isinstance(component, FmuComponent):
+            yield from _fmu_faults(component, descriptions[component.name])
+        elif isinstance(component, SensitivityComponent):
+            yield from _sensitivity_faults(component, names, descriptions)
+
+
+def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
+    if d.co_simulation is None:
+        yield f"component {component.name}: FMU {component.path} offers no co-simulation"
+    for name in component.start_values:
+        if name not in d.variables:
+            hint = nearest(name, d.variables)
+            yield f"component {component.name}: no variable {name!r} to give a start value; {hint}"
+
+
+def _sensitivity_faults(
+    c: SensitivityComponent, names: list[str], descriptions: Descriptions
+) -> Iterator[str]:
+    if c.component not in descriptions:
+        hint = nearest(c.component, descriptions or names)
+        yield f"sensitivity {c.name}: no FMU component {c.component!r}; {hint}"
+        return
+    d = descriptions[c.component]
+    for variable, causality in ((c.output, "output"), (c.input, "input")):
+        legal = [v.name for v in d.variables.values() if v.causality == causality]
+        if variable not in legal:
+            hint = nearest(variable, legal)
+            yield f"sensitivity {c.name}: {c.component} has no {causality} {variable!r}; {hint}"
+    if d.co_simulation is None or not d.co_simulation.provides_directional_derivatives:
+        yield f"sensitivity {c.name}: FMU {c.component} provides no directional derivatives"
+
+
+def _wire_faults(
+    system: System, connection: Connection, descriptions: Descriptions
+) -> Iterator[str]:
+    label = f"connection {connection.source} -> {connection.target}"
+    infos = []
+    for end, ports in ((connection.source, outputs_of), (connection.target, inputs_of)):
+        try:
+            component = system.component(end.component)
+        except KeyError:
+            hint = nearest(end.component, [c.name for c in system.components])
+            yield f"{label}: no component {end.component!r}; {hint}"
+            continue
+        known = ports(component, descriptions)
+        if end.variable not in known:
+            what = "input" if ports is inputs_of else "output"
+            hint = nearest(end.variable, known)
+            yield f"{label}: {end.component} has no {what} {end.variable!r}; {hint}"
+            continue
+        infos.append(known[end.variable])
+    if connection.delay_ns < 0:
+        yield f"{label}: delay {show(connection.delay_ns)} is negative"
+    if len(infos) == 2:
+        yield from _type_faults(label, infos[0], infos[1])
+
+
+def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str]:
+    for info in (source, target):
+        if info.type not in NUMERIC_TYPES:
+            yield f"{label}: type {info.type} cannot be wired; numbers and booleans can"
+            return
+    try:
+        conversion(source.unit, target.unit)
+    except UnitError as fault:
+        yield f"{label}: {fault}"
+
+
+def _wiring_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
+    targets: dict[Endpoint, list[Connection]] = {}
+    for connection in system.connections:
+        targets.setdefault(connection.target, []).append(connection)
+    for target, connections in targets.items():
+        if len(connections) > 1:
+            sources = " and ".join(str(c.source) for c in connections)
+            yield f"input {target} is connected {len(connections)} times: from {sources}"
+    for component in system.components:
+        if isinstance(component, FmuComponent):
+            continue
+        for name in inputs_of(component, descriptions):
+            if Endpoint(component.name, name) not in targets and not _optional(component, name):
+                yield (
+                    f"input {component.name}.{name} is not connected; connect a signal to it, "
+                    "for instance a constant"
+                )
+
+
+def _optional(component: Component, name: str) -> bool:
+    if isinstance(component, FmuComponent):
+        return True
+    return any(s.name == name and getattr(s, "optional", False) for s in component.inputs)
+
+
+def _writable(v: Variable) -> bool:
+    return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
+
+
+def _info(v: Variable, d: ModelDescription) -> PortInfo:
+    start = 0.0
+    if v.type in NUMERIC_TYPES and v.start is not None and v.size == 1:
+        text = str(v.start).lower()
+        start = float(text in ("true", "1")) if v.type == "Boolean" else float(text)
+    kind = v.type if v.size == 1 else f"{v.type}[{v.size}]"
+    return PortInfo(_stated(v.unit, d.units), kind, start, v.description)
+
+
+def _stated(name: str | None, units: Mapping[str, Unit] | None = None) -> Unit | None:
+    return parse_unit(name, units) if name else None

@@ -1,0 +1,184 @@
+"""A system as data: components and the connections between them.
+
+Nothing here is loaded, compiled or run. All times are integer nanoseconds. `check` judges a
+system, `lowering` reduces what is put on wires to blocks, `execution.plan` schedules it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.system.block import Block, BlockSignal, KernelBlock, Port
+
+
+class Sampler(Protocol):
+    """Produces the values of a signal for consecutive sample instants."""
+
+    def sample(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Values (n,) at the instants `times_ns` (n,), which follow those asked for before."""
+
+
+class SignalSource(Protocol):
+    """A signal as data; `sampler` makes a fresh, reproducible sequence of it."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values, "" where it is not stated."""
+
+    def sampler(self, seed: np.random.SeedSequence) -> Sampler:
+        """A new sampler; the same seed gives the same values."""
+
+
+class Imperfection(Protocol):
+    """Something put on a wire; `source` is wired to the second input of its block, if it has one."""
+
+    @property
+    def kind(self) -> str:
+        """Its name in experiment files and in the names of recorded signals."""
+
+    @property
+    def source(self) -> SignalSource | None:
+        """The random or added signal, or None."""
+
+    def block(self, sample_time: float) -> KernelBlock:
+        """The block that does it, for a wire read every `sample_time` s."""
+
+
+@dataclass(frozen=True)
+class FmuComponent:
+    """An FMU instance: `step_ns` is its communication step, `start_values` are set before
+    initialisation, `tolerance` is offered to its solver."""
+
+    name: str
+    path: Path
+    step_ns: int
+    start_values: Mapping[str, Any] = field(default_factory=dict)
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True)
+class BlockComponent:
+    """A discrete-time block, computed at `phase_ns + k * period_ns`."""
+
+    name: str
+    block: Block
+    period_ns: int
+    phase_ns: int = 0
+
+    @property
+    def inputs(self) -> Sequence[BlockSignal]:
+        """The inputs of the block."""
+        return self.block.inputs
+
+    @property
+    def outputs(self) -> Sequence[BlockSignal]:
+        """The outputs of the block."""
+        return self.block.outputs
+
+
+@dataclass(frozen=True)
+class PythonComponent:
+    """A plain Python controller: `function(time, *inputs)` returns one number or one an output."""
+
+    name: str
+    function: Callable[..., float | Sequence[float]]
+    inputs: tuple[BlockSignal, ...]
+    outputs: tuple[BlockSignal, ...]
+    period_ns: int
+    phase_ns: int = 0
+
+
+@dataclass(frozen=True)
+class SignalComponent:
+    """A signal source with the single output `value`, sampled at `phase_ns + k * period_ns`."""
+
+    name: str
+    source: SignalSource
+    period_ns: int
+    phase_ns: int = 0
+    inputs: tuple[BlockSignal, ...] = ()
+
+    @property
+    def outputs(self) -> tuple[BlockSignal, ...]:
+        """The output `value` in the unit of the source."""
+        return (Port("value", self.source.unit),)
+
+
+@dataclass(frozen=True)
+class SensitivityComponent:
+    """d y(t + period) / d u(t) of an FMU, from its directional derivatives; one output `value`.
+
+    `component` names the FMU, `output` and `input` its variables.
+    """
+
+    name: str
+    component: str
+    output: str
+    input: str
+    period_ns: int
+    phase_ns: int = 0
+    inputs: tuple[BlockSignal, ...] = ()
+    outputs: tuple[BlockSignal, ...] = (Port("value", ""),)
+
+
+SampledComponent = BlockComponent | PythonComponent | SignalComponent | SensitivityComponent
+Component = FmuComponent | SampledComponent
+
+
+@dataclass(frozen=True, order=True)
+class Endpoint:
+    """A variable of a component, written `component.variable`."""
+
+    component: str
+    variable: str
+
+    def __str__(self) -> str:
+        return f"{self.component}.{self.variable}"
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A wire: what is put on it, in order, then a delay after which the value arrives."""
+
+    source: Endpoint
+    target: Endpoint
+    delay_ns: int = 0
+    imperfections: tuple[Imperfection, ...] = ()
+
+
+@dataclass(frozen=True)
+class System:
+    """Components, connections, times and the algorithm that couples the FMUs.
+
+    `algorithm` is "jacobi" or "gauss-seidel"; in the latter FMUs step in the order in which they
+    stand in `components`. A row is recorded every `record_ns`.
+    """
+
+    components: tuple[Component, ...]
+    connections: tuple[Connection, ...]
+    start_ns: int
+    stop_ns: int
+    record_ns: int
+    algorithm: str = "jacobi"
+    seed: int = 0
+
+    def component(self, name: str) -> Component:
+        """The component of that name; raises KeyError."""
+        for component in self.components:
+            if component.name == name:
+                return component
+        raise KeyError(name)
+
+    @property
+    def fmus(self) -> tuple[FmuComponent, ...]:
+        """The FMU components in order."""
+        return tuple(c for c in self.components if isinstance(c, FmuComponent))
+
+
+ALGORITHMS = ("jacobi", "gauss-seidel")
