@@ -13,6 +13,7 @@ from numbers import Real
 from typing import Any, TypeVar
 
 from harness.errors import ExperimentError, nearest
+from harness.instruments.source import SignalSource
 
 T = TypeVar("T")
 LONGEST_TIME = 9.2e9  # seconds; beyond it int64 nanoseconds overflow
@@ -23,7 +24,7 @@ def build(what: str, registry: Mapping[str, type[T]], kind: str, given: Mapping[
 
     `what` names the family in errors ("signal", "imperfection"). Lists become tuples.
     """
-    if kind not in registry:
+    if not isinstance(kind, str) or kind not in registry:
         raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), registry)}")
     chosen = registry[kind]
     fields = {one.name: one for one in dataclasses.fields(chosen)}  # type: ignore[arg-type]
@@ -104,6 +105,15 @@ def check_choice(owner: object, name: str, *legal: str) -> None:
     if value not in legal:
         raise ExperimentError(
             f"{label(owner)}: {name!r} must be one of {', '.join(map(repr, legal))}, got {value!r}"
+        )
+
+
+def check_signal(owner: object, value: object) -> None:
+    """`value` is a signal source."""
+    if not isinstance(value, SignalSource):
+        raise ExperimentError(
+            f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
+            f"got {value!r}"
         )
 
 

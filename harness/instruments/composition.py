@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import SeedSequence
 
 from harness.errors import ExperimentError, SimulationError
-from harness.instruments.checks import check_numbers, check_time, check_unit, label
+from harness.instruments.checks import check_numbers, check_signal, check_time, check_unit, label
 from harness.instruments.source import (
     PureSampler,
     Sampler,
@@ -20,14 +20,6 @@ from harness.instruments.source import (
     child_seed,
     to_nanoseconds,
 )
-
-
-def _check_signal(owner: object, value: object) -> None:
-    if not isinstance(value, SignalSource):
-        raise ExperimentError(
-            f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
-            f"got {value!r}"
-        )
 
 
 @dataclass(frozen=True)
@@ -95,7 +87,7 @@ class Sum:
                 f"{label(self)}: 'signals' must hold at least one signal, got {self.signals!r}"
             )
         for one in self.signals:
-            _check_signal(self, one)
+            check_signal(self, one)
         check_unit(self)
         units = {one.unit for one in (self, *self.signals) if one.unit is not None}
         if len(units) > 1:
@@ -137,7 +129,7 @@ class Scaled:
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        _check_signal(self, self.signal)
+        check_signal(self, self.signal)
         check_numbers(self, "gain", "offset")
         check_unit(self)
 
@@ -179,7 +171,7 @@ class Windowed:
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        _check_signal(self, self.signal)
+        check_signal(self, self.signal)
         check_numbers(self, "outside")
         check_time(self, "start_time")
         if self.end_time is not None:
