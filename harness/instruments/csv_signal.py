@@ -1,0 +1,178 @@
+"""A signal read from a CSV file, and the liberal reading of the CSV files of this field.
+
+Accepted: a byte-order mark, quoted and unquoted names, spaces after the comma, a first line
+`"sep=,"`, `Time` beside `time`, a counter column, names with a tail (`x [0 real output]`,
+`inst::x[REAL]`), `True` and `False`. Times are in seconds and must not decrease; at a time that
+repeats (both sides of an event) the later row holds.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.random import SeedSequence
+
+from harness.errors import ExperimentError, nearest
+from harness.instruments.checks import LONGEST_TIME, check_choice, check_unit, label
+from harness.instruments.source import NANOSECONDS, PureSampler, Sampler, Times, Values
+
+TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
+
+
+@dataclass(frozen=True, eq=False)
+class CsvTable:
+    """The columns of a CSV file; `columns` is a pyarrow Table without its own names."""
+
+    path: Path
+    names: tuple[str, ...]
+    columns: Any
+
+    @cached_property
+    def times_ns(self) -> Times:
+        """The instants of the rows (integer nanoseconds, shape (n,))."""
+        seconds = self.column(self._time_name())
+        if len(seconds) == 0:
+            raise ExperimentError(f"{self.path} has a header but no rows of values")
+        if not np.all(np.abs(seconds) <= LONGEST_TIME):
+            raise ExperimentError(f"{self.path} has times beyond {LONGEST_TIME:g} s")
+        times_ns = np.rint(seconds * NANOSECONDS).astype(np.int64)
+        backwards = np.flatnonzero(np.diff(times_ns) < 0)
+        if len(backwards):
+            row = int(backwards[0]) + 1
+            raise ExperimentError(
+                f"{self.path}: time goes back from {seconds[row - 1]!r} s to {seconds[row]!r} s "
+                f"in row {row + 1} of the values; times must not decrease"
+            )
+        return times_ns
+
+    def _time_name(self) -> str:
+        for name in self.names:
+            if name.lower() == "time":
+                return name
+        raise ExperimentError(
+            f"{self.path} has no column 'time', only {', '.join(map(repr, self.names[:12]))}"
+        )
+
+    def column(self, name: str) -> Values:
+        """The values of the column called `name` (exactly, else by its plain name), shape (n,)."""
+        index = self._index(name)
+        try:
+            values = self.columns.column(index).cast("float64").to_numpy()
+        except (ValueError, NotImplementedError) as fault:
+            raise ExperimentError(
+                f"{self.path}: column {name!r} holds something that is no number ({fault})"
+            ) from fault
+        empty = np.flatnonzero(np.isnan(values))
+        if len(empty):
+            raise ExperimentError(
+                f"{self.path}: column {name!r} has no number in row {int(empty[0]) + 1} of the "
+                "values"
+            )
+        return np.asarray(values, dtype=np.float64)
+
+    def _index(self, name: str) -> int:
+        exact = [i for i, one in enumerate(self.names) if one == name]
+        alike = exact or [i for i, one in enumerate(self.names) if plain_name(one) == name]
+        if not alike:
+            raise ExperimentError(
+                f"{self.path} has no column {name!r}: {nearest(name, map(plain_name, self.names))}"
+            )
+        if len(alike) > 1:
+            raise ExperimentError(
+                f"{self.path} has {len(alike)} columns called {name!r}; rename all but one"
+            )
+        return alike[0]
+
+
+def plain_name(name: str) -> str:
+    """A column's name without a type tail and with `instance.variable` for `instance::variable`."""
+    return TYPE_TAIL.sub("", name.strip()).replace("::", ".")
+
+
+def read_csv_table(path: Path) -> CsvTable:
+    """The CSV file at `path`; raises `ExperimentError` where it cannot be read."""
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+
+    try:
+        names, skipped, delimiter = _header(path)
+        table = arrow_csv.read_csv(
+            path,
+            read_options=arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(names)),
+            parse_options=arrow_csv.ParseOptions(delimiter=delimiter),
+            convert_options=arrow_csv.ConvertOptions(
+                true_values=["True", "true", "TRUE"], false_values=["False", "false", "FALSE"]
+            ),
+        )
+    except pa.ArrowInvalid as fault:
+        if "Empty CSV" in str(fault):
+            raise ExperimentError(f"{path} has a header but no rows of values") from fault
+        raise ExperimentError(f"{path} cannot be read as CSV: {fault}") from fault
+    except (OSError, UnicodeDecodeError) as fault:
+        raise ExperimentError(f"{path} cannot be read: {fault}") from fault
+    return CsvTable(path, names, table)
+
+
+def _header(path: Path) -> tuple[tuple[str, ...], int, str]:
+    """Names, number of lines before the values, and the delimiter."""
+    delimiter = ","
+    with path.open(encoding="utf-8-sig", newline="") as lines:
+        for count, line in enumerate(lines, start=1):
+            text = line.strip()
+            declared = re.fullmatch(r'"?sep=(.)"?', text)
+            if declared:
+                delimiter = declared[1]
+            elif text:
+                cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True))
+                return tuple(cell.strip() for cell in cells), count, delimiter
+    raise ExperimentError(f"{path} is empty; a header with the column 'time' was expected")
+
+
+@dataclass(frozen=True)
+class CsvSignal:
+    """Column `column` of the CSV file `file`, held between rows or interpolated (`hold`,
+    `linear`); the first value holds before the first row, the last one after the last."""
+
+    kind: ClassVar[str] = "csv"
+    file: str | os.PathLike[str]
+    column: str
+    interpolation: str = "hold"
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        """Checks every field."""
+        if not isinstance(self.file, str | os.PathLike) or not Path(self.file).is_file():
+            raise ExperimentError(f"{label(self)}: 'file' is no existing file: {self.file!r}")
+        if not isinstance(self.column, str):
+            raise ExperimentError(f"{label(self)}: 'column' must be a name, got {self.column!r}")
+        check_choice(self, "interpolation", "hold", "linear")
+        check_unit(self)
+        self._rows  # noqa: B018  (a file with a fault is reported here, not in the run)
+
+    @cached_property
+    def _rows(self) -> tuple[Times, Values]:
+        table = read_csv_table(Path(self.file))
+        return table.times_ns, table.column(self.column)
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory; the seed is not used."""
+        times, values = self._rows
+
+        def hold(times_ns: Times) -> Values:
+            return values[np.maximum(np.searchsorted(times, times_ns, "right") - 1, 0)]
+
+        def linear(times_ns: Times) -> Values:
+            after = np.searchsorted(times, times_ns, "right")
+            left, right = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+            gap = np.maximum(times[right] - times[left], 1)
+            share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
+            return values[left] + share * (values[right] - values[left])
+
+        return PureSampler(hold if self.interpolation == "hold" else linear)

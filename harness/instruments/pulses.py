@@ -1,0 +1,170 @@
+"""Signals that switch between two levels: pulse, square wave, pseudo-random binary sequence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.random import SeedSequence
+from numpy.typing import NDArray
+
+from harness.errors import ExperimentError
+from harness.instruments.checks import (
+    check_number,
+    check_numbers,
+    check_time,
+    check_unit,
+    check_whole,
+    label,
+)
+from harness.instruments.source import (
+    PureSampler,
+    Sampler,
+    Times,
+    Values,
+    generator,
+    to_nanoseconds,
+)
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
+    seconds where one is given."""
+
+    kind: ClassVar[str] = "pulse"
+    amplitude: float
+    width: float
+    start_time: float = 0.0
+    period: float | None = None
+    bias: float = 0.0
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        """Checks every field."""
+        check_numbers(self, "amplitude", "bias")
+        check_time(self, "width", positive=True)
+        check_time(self, "start_time")
+        if self.period is not None:
+            check_time(self, "period", positive=True)
+            if self.width > self.period:
+                raise ExperimentError(
+                    f"{label(self)}: 'width' must be at most 'period' {self.period!r}, "
+                    f"got {self.width!r}"
+                )
+        check_unit(self)
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory; the seed is not used."""
+        start, width = to_nanoseconds(self.start_time), to_nanoseconds(self.width)
+        period = None if self.period is None else to_nanoseconds(self.period)
+        low, high = float(self.bias), float(self.bias + self.amplitude)
+
+        def values(times_ns: Times) -> Values:
+            elapsed = times_ns - start
+            within = elapsed if period is None else elapsed % period
+            return np.where((elapsed >= 0) & (within < width), high, low)
+
+        return PureSampler(values)
+
+
+@dataclass(frozen=True)
+class Square:
+    """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
+    the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
+
+    kind: ClassVar[str] = "square"
+    amplitude: float
+    period: float
+    duty: float = 0.5
+    start_time: float = 0.0
+    bias: float = 0.0
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        """Checks every field."""
+        check_numbers(self, "amplitude", "bias")
+        check_time(self, "period", positive=True)
+        check_time(self, "start_time")
+        check_number(self, "duty", above=0.0, below=1.0)
+        check_unit(self)
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory; the seed is not used."""
+        start, period = to_nanoseconds(self.start_time), to_nanoseconds(self.period)
+        width = to_nanoseconds(self.duty * self.period)
+        low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
+
+        def values(times_ns: Times) -> Values:
+            elapsed = times_ns - start
+            waves = np.where(elapsed % period < width, high, low)
+            return np.where(elapsed >= 0, waves, float(self.bias))
+
+        return PureSampler(values)
+
+
+# Exponents of a primitive polynomial over GF(2) of each order: the register then runs through
+# all 2^order − 1 states that are not zero.
+PRIMITIVE_TAPS: dict[int, tuple[int, ...]] = {
+    3: (3, 2),
+    4: (4, 3),
+    5: (5, 3),
+    6: (6, 5),
+    7: (7, 6),
+    8: (8, 6, 5, 4),
+    9: (9, 5),
+    10: (10, 7),
+    11: (11, 9),
+    12: (12, 6, 4, 1),
+    13: (13, 4, 3, 1),
+    14: (14, 5, 3, 1),
+    15: (15, 14),
+    16: (16, 15, 13, 4),
+}
+
+
+def maximal_length_bits(order: int) -> NDArray[np.int8]:
+    """One period, 2^order − 1 bits, of the linear feedback shift register of this order."""
+    taps = PRIMITIVE_TAPS[order]
+    register = (1 << order) - 1
+    bits = np.empty((1 << order) - 1, dtype=np.int8)
+    for index in range(len(bits)):
+        bits[index] = register & 1
+        feedback = 0
+        for tap in taps:
+            feedback ^= register >> (order - tap)
+        register = (register >> 1) | ((feedback & 1) << (order - 1))
+    return bits
+
+
+@dataclass(frozen=True)
+class Prbs:
+    """bias ± amplitude by a maximal-length pseudo-random binary sequence, held for `bit_time` (s)
+    on a grid anchored at time 0.
+
+    It repeats after (2^order − 1)·bit_time and has autocorrelation amplitude² at lag 0 and
+    −amplitude²/(2^order − 1) at all others. The seed chooses where in the period it begins.
+    """
+
+    kind: ClassVar[str] = "prbs"
+    amplitude: float
+    bit_time: float
+    order: int = 7
+    bias: float = 0.0
+    unit: str | None = None
+
+    def __post_init__(self) -> None:
+        """Checks every field."""
+        check_numbers(self, "amplitude", "bias")
+        check_time(self, "bit_time", positive=True)
+        check_whole(self, "order", min(PRIMITIVE_TAPS), max(PRIMITIVE_TAPS))
+        check_unit(self)
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory whose place in the period comes from `seed`."""
+        high = maximal_length_bits(self.order) == 1
+        levels = self.bias + np.where(high, float(self.amplitude), -float(self.amplitude))
+        begin = int(generator(seed).integers(len(levels)))
+        bit = to_nanoseconds(self.bit_time)
+        return PureSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])

@@ -1,0 +1,107 @@
+"""All kinds of signals by name, and making one from the data of an experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from harness.errors import ExperimentError
+from harness.instruments.checks import build
+from harness.instruments.composition import Function, Scaled, Sum, Windowed
+from harness.instruments.csv_signal import CsvSignal
+from harness.instruments.noise import (
+    BandLimitedNoise,
+    ContaminatedNoise,
+    HeavyTailedNoise,
+    LowPassNoise,
+    UniformNoise,
+    WhiteNoise,
+)
+from harness.instruments.pulses import Prbs, Pulse, Square
+from harness.instruments.source import Sampler, SignalSource, named_seed
+from harness.instruments.waveforms import Chirp, Constant, MultiStep, Ramp, Sine, Step
+
+__all__ = [
+    "SIGNALS",
+    "BandLimitedNoise",
+    "Chirp",
+    "Constant",
+    "ContaminatedNoise",
+    "CsvSignal",
+    "Function",
+    "HeavyTailedNoise",
+    "LowPassNoise",
+    "MultiStep",
+    "Prbs",
+    "Pulse",
+    "Ramp",
+    "Sampler",
+    "Scaled",
+    "SignalSource",
+    "Sine",
+    "Square",
+    "Step",
+    "Sum",
+    "UniformNoise",
+    "WhiteNoise",
+    "Windowed",
+    "make_signal",
+    "named_seed",
+    "with_signals",
+]
+
+_KINDS: tuple[type[Any], ...] = (
+    Constant,
+    Step,
+    MultiStep,
+    Ramp,
+    Sine,
+    Chirp,
+    Square,
+    Pulse,
+    Prbs,
+    WhiteNoise,
+    BandLimitedNoise,
+    LowPassNoise,
+    HeavyTailedNoise,
+    ContaminatedNoise,
+    UniformNoise,
+    CsvSignal,
+    Function,
+    Sum,
+    Scaled,
+    Windowed,
+)
+
+SIGNALS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}
+
+
+def make_signal(kind: str, parameters: Mapping[str, Any]) -> SignalSource:
+    """The signal of this kind; where a signal is made of others they stand in `signal` or
+    `signals` as tables with `kind` beside their own keys.
+
+    Raises `ExperimentError` naming an unknown kind or key with the nearest legal ones, a missing
+    key, or a value out of its bounds.
+    """
+    made: SignalSource = build("signal", SIGNALS, kind, with_signals(kind, parameters))
+    return made
+
+
+def with_signals(owner: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """`parameters` with the tables under `signal` and `signals` made into signals."""
+    made = dict(parameters)
+    if "signal" in made:
+        made["signal"] = _nested(owner, made["signal"])
+    if isinstance(made.get("signals"), list | tuple):
+        made["signals"] = tuple(_nested(owner, one) for one in made["signals"])
+    return made
+
+
+def _nested(owner: str, given: Any) -> Any:
+    if not isinstance(given, Mapping):
+        return given
+    if "kind" not in given:
+        raise ExperimentError(
+            f"{owner!r}: a signal inside it lacks 'kind', got the keys {', '.join(given)}"
+        )
+    return make_signal(given["kind"], {k: v for k, v in given.items() if k != "kind"})

@@ -1,0 +1,273 @@
+"""Pictures of runs, with matplotlib's object interface: nothing global is touched.
+
+Each variant (controller) keeps one colour and one line style in all pictures of a set, by its
+place in the mapping; colours are those of Okabe and Ito, which colour-blind readers can tell
+apart, and line styles tell them apart in grey. Every axis states its unit. Each function returns
+a Figure, which the caller saves (`save_figures`) or shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from harness.errors import RecordingError, UsageError
+from harness.results.result import Result
+
+Array = NDArray[np.float64]
+Variants = Mapping[str, Result]
+
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
+LINE_STYLES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (4, 1.5, 1, 1.5)), (0, (1.5, 1)))
+REFERENCE_STYLE: dict[str, Any] = {"color": "black", "linestyle": (0, (3, 2)), "linewidth": 1.1}
+WIDTH, PANEL_HEIGHT, DPI = 8.0, 2.3, 130
+
+
+def line_style(index: int) -> dict[str, Any]:
+    """Colour, line style and width of variant number `index`, the same in every picture."""
+    return {
+        "color": PALETTE[index % len(PALETTE)],
+        "linestyle": LINE_STYLES[index % len(LINE_STYLES)],
+        "linewidth": 1.4,
+    }
+
+
+def axis_label(quantity: str, unit: str) -> str:
+    """ "force (N)"; the unit 1 is written as a dash, since nothing is measured in ones."""
+    return f"{quantity} ({'–' if unit in ('', '1') else unit})"
+
+
+def panels(count: int, title: str, *, height: float = PANEL_HEIGHT) -> tuple[Figure, list[Axes]]:
+    """A figure with `count` panels above each other that share the time axis."""
+    figure = Figure(figsize=(WIDTH, 1.1 + height * count), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
+    for one in axes:
+        style_axes(one)
+    axes[-1].set_xlabel(axis_label("time", "s"))
+    if title:
+        figure.suptitle(title, fontsize="large")
+    return figure, axes
+
+
+def style_axes(axes: Axes) -> None:
+    """Light grid, no box at the top and right, no margin along the time."""
+    axes.grid(visible=True, color="0.88", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.margins(x=0.0)
+
+
+def legend(axes: Axes) -> None:
+    """The legend above the panel, in one row where it fits, so that it hides no curve."""
+    handles, labels = axes.get_legend_handles_labels()
+    axes.legend(
+        handles,
+        labels,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=min(max(len(labels), 1), 4),
+        frameon=False,
+        fontsize="small",
+        borderaxespad=0.2,
+    )
+
+
+def response_plot(
+    variants: Variants, response: str, reference: str | None = None, *, title: str = ""
+) -> Figure:
+    """The response of every variant over the reference (of the first variant)."""
+    figure, (axes,) = panels(1, title, height=3.4)
+    draw_response(axes, variants, response, reference)
+    legend(axes)
+    return figure
+
+
+def control_plot(variants: Variants, control: str, *, title: str = "") -> Figure:
+    """The control of every variant, held between its samples."""
+    figure, (axes,) = panels(1, title, height=3.4)
+    draw_control(axes, variants, control)
+    legend(axes)
+    return figure
+
+
+def error_plot(variants: Variants, response: str, reference: str, *, title: str = "") -> Figure:
+    """reference − response of every variant."""
+    figure, (axes,) = panels(1, title, height=3.4)
+    draw_error(axes, variants, response, reference)
+    legend(axes)
+    return figure
+
+
+def overview_plot(
+    variants: Variants, response: str, reference: str, control: str, *, title: str = ""
+) -> Figure:
+    """Response, error and control above each other, with one legend."""
+    figure, (top, middle, bottom) = panels(3, title)
+    draw_response(top, variants, response, reference)
+    draw_error(middle, variants, response, reference)
+    draw_control(bottom, variants, control)
+    legend(top)
+    return figure
+
+
+def draw_response(axes: Axes, variants: Variants, response: str, reference: str | None) -> None:
+    """Adds the responses, and the reference above them."""
+    for index, (name, result) in enumerate(_some(variants).items()):
+        axes.plot(result.time, result[response], label=name, **line_style(index))
+    first = next(iter(variants.values()))
+    if reference is not None:
+        axes.plot(
+            first.time,
+            first[reference],
+            label="reference",
+            drawstyle="steps-post",
+            **REFERENCE_STYLE,
+        )
+    axes.set_ylabel(axis_label(_quantity(response), first.unit(response)))
+
+
+def draw_control(axes: Axes, variants: Variants, control: str) -> None:
+    """Adds the controls as steps."""
+    for index, (name, result) in enumerate(_some(variants).items()):
+        axes.plot(
+            result.time, result[control], label=name, drawstyle="steps-post", **line_style(index)
+        )
+    first = next(iter(variants.values()))
+    axes.set_ylabel(axis_label(_quantity(control), first.unit(control)))
+
+
+def draw_error(axes: Axes, variants: Variants, response: str, reference: str) -> None:
+    """Adds the errors and the line of no error."""
+    axes.axhline(0.0, color="0.4", linewidth=0.8)
+    for index, (name, result) in enumerate(_some(variants).items()):
+        error = result[reference] - result[response]
+        axes.plot(result.time, error, label=name, **line_style(index))
+    unit = next(iter(variants.values())).unit(response)
+    axes.set_ylabel(axis_label("error", unit))
+
+
+def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -> Figure:
+    """Internals over time (gains, weights, covariances), a panel each; a variant that has not
+    recorded one is left out of its panel."""
+    figure, axes = panels(len(signals), title, height=1.8)
+    for signal, panel in zip(signals, axes, strict=True):
+        unit = None
+        for index, (name, result) in enumerate(_some(variants).items()):
+            if signal in result:
+                unit = result.unit(signal)
+                panel.plot(
+                    result.time,
+                    result[signal],
+                    label=name,
+                    drawstyle="steps-post",
+                    **line_style(index),
+                )
+        if unit is None:
+            raise UsageError(f"no variant recorded {signal!r}; nothing can be drawn of it")
+        panel.set_ylabel(axis_label(_quantity(signal), unit))
+    legend_of_all(figure, axes)
+    return figure
+
+
+def legend_of_all(figure: Figure, axes: Iterable[Axes]) -> None:
+    """One legend below the panels, with each name once."""
+    found: dict[str, Any] = {}
+    for one in axes:
+        for handle, name in zip(*one.get_legend_handles_labels(), strict=True):
+            found.setdefault(name, handle)
+    figure.legend(
+        found.values(),
+        found.keys(),
+        loc="outside lower center",
+        ncols=min(max(len(found), 1), 4),
+        frameon=False,
+        fontsize="small",
+    )
+
+
+def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Figure:
+    """The named signals of one run over time, a panel for each unit."""
+    units = list(dict.fromkeys(result.unit(name) for name in names))
+    if not units:
+        raise UsageError("no signal was named and none was recorded: nothing can be drawn")
+    figure, axes = panels(len(units), title)
+    for unit, panel in zip(units, axes, strict=True):
+        shown = [name for name in names if result.unit(name) == unit]
+        for index, name in enumerate(shown):
+            panel.plot(result.time, result[name], label=name, **line_style(index))
+        panel.set_ylabel(axis_label("value" if len(shown) > 1 else _quantity(shown[0]), unit))
+        legend(panel)
+    return figure
+
+
+@dataclass(frozen=True, eq=False)
+class MembershipCurves:
+    """The membership functions of one variable, drawn: `grid` (shape (n,), in `unit`) and for
+    each linguistic term its degrees of membership on the grid."""
+
+    variable: str
+    unit: str
+    grid: Array
+    terms: Mapping[str, Array]
+
+
+def membership_plot(
+    before: Sequence[MembershipCurves], after: Sequence[MembershipCurves], *, title: str = ""
+) -> Figure:
+    """Membership functions before (thin, dashed) and after (solid), a panel a variable, each term
+    in its colour."""
+    if [one.variable for one in before] != [one.variable for one in after] or not before:
+        raise UsageError("membership functions before and after must be of the same variables")
+    figure = Figure(
+        figsize=(WIDTH, 0.9 + PANEL_HEIGHT * len(before)), dpi=DPI, layout="constrained"
+    )
+    FigureCanvasAgg(figure)
+    axes = list(np.atleast_1d(figure.subplots(len(before), 1)))
+    for old, new, panel in zip(before, after, axes, strict=True):
+        style_axes(panel)
+        for index, term in enumerate(old.terms):
+            color = PALETTE[index % len(PALETTE)]
+            dashed: dict[str, Any] = {"color": color, "linestyle": (0, (3, 2)), "linewidth": 1.0}
+            panel.plot(old.grid, old.terms[term], label=f"{term} before", **dashed)
+            panel.plot(new.grid, new.terms[term], label=f"{term} after", color=color, linewidth=1.8)
+        panel.set_xlabel(axis_label(old.variable, old.unit))
+        panel.set_ylabel(axis_label("degree of membership", "1"))
+        panel.set_ylim(-0.03, 1.05)
+    legend_of_all(figure, axes)
+    if title:
+        figure.suptitle(title, fontsize="large")
+    return figure
+
+
+def save_figures(folder: Path, figures: Mapping[str, Figure], suffix: str = ".png") -> list[Path]:
+    """Writes each figure as `<name><suffix>` into `folder` (made where missing); the paths."""
+    paths = []
+    for name, figure in figures.items():
+        path = folder / (name + suffix)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            figure.savefig(path)
+        except (OSError, ValueError) as fault:
+            raise RecordingError(f"cannot write the figure {path}: {fault}") from fault
+        paths.append(path)
+    return paths
+
+
+def _some(variants: Variants) -> Variants:
+    if not variants:
+        raise UsageError("no variant was given: nothing can be drawn")
+    return variants
+
+
+def _quantity(name: str) -> str:
+    """ "actuator.force" reads as "force" beside an axis."""
+    return name.rpartition(".")[2].replace("_", " ")

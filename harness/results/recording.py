@@ -1,0 +1,181 @@
+"""Writing what a run records, so that a crash at any moment loses nothing that was written.
+
+A run folder holds while the run goes on:
+
+    manifest.json     what the run is made of, status "running"
+    rows.arrows       Arrow IPC stream, one record batch a chunk, handed to the system at once
+
+and when it has ended, in place of the stream:
+
+    results.parquet   `time` and the columns, with unit and description as field metadata
+    results.csv       the same; each number in the fewest digits (at most 17) that read back to
+                      the same bits, so that 0.01 stays 0.01; no unit row
+    manifest.json     status "complete", or "incomplete" with the time reached and the reason
+
+A reader opens either form (`read_recording`). Time is recorded in integer nanoseconds, and
+`time` is the double nearest to that many seconds. This module refuses to know where rows come
+from.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import RecordingError
+from harness.results.columns import Column, check_columns, stream_schema
+from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
+from harness.results.result import Result
+from harness.results.storage import STREAM_FILE, read_recording, seal, to_seconds
+
+__all__ = ["Column", "Recording", "read_recording", "seal"]
+
+
+class Recording:
+    """A recording in progress: `append` chunks, then `finish`.
+
+    `folder` None keeps the rows in memory. Otherwise it is made, with its parents; it may exist
+    only if it is empty. As a context manager it is finished on leaving, as incomplete where an
+    exception passes through.
+    """
+
+    def __init__(
+        self,
+        columns: Iterable[Column],
+        folder: Path | None = None,
+        manifest: Manifest | None = None,
+    ) -> None:
+        """Opens the recording; raises `RecordingError` where the folder cannot be used."""
+        self.columns = check_columns(columns)
+        self.folder = None if folder is None else Path(folder)
+        self.result: Result | None = None
+        self._manifest = replace(
+            manifest or Manifest(), columns=self.columns, status=RunStatus(RUNNING)
+        )
+        self._begun = clock.perf_counter()
+        self._chunks: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+        self._last: int | None = None
+        self._stream: Any = None
+        if self.folder is not None:
+            self._open(self.folder)
+
+    def _open(self, folder: Path) -> None:
+        import pyarrow as pa
+
+        prepare_folder(folder)
+        self._schema = stream_schema(self.columns)
+        try:
+            self._manifest.write(folder)
+            self._file = pa.OSFile(str(folder / STREAM_FILE), "wb")
+            self._stream = pa.ipc.new_stream(self._file, self._schema)
+        except OSError as fault:
+            raise RecordingError(f"cannot write into the run folder {folder}: {fault}") from fault
+
+    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        """Adds rows (shape (n, number of columns)) at `times_ns` (integer nanoseconds, shape (n,)).
+
+        When it returns, the rows survive the end of this process. A time may repeat (both sides
+        of an event) but never go back.
+        """
+        if self.result is not None:
+            raise RecordingError("rows were appended to a recording that is finished")
+        if rows.shape != (len(times_ns), len(self.columns)):
+            raise RecordingError(
+                f"{len(times_ns)} rows of {len(self.columns)} columns were expected, got an array "
+                f"of shape {rows.shape}"
+            )
+        if len(times_ns) == 0:
+            return
+        self._check_order(times_ns)
+        if self._stream is None:
+            self._chunks.append((times_ns.copy(), rows.copy()))
+        else:
+            self._write(times_ns, rows)
+        self._last = int(times_ns[-1])
+
+    def _check_order(self, times_ns: NDArray[np.int64]) -> None:
+        previous = int(times_ns[0]) if self._last is None else self._last
+        backwards = np.diff(times_ns, prepend=previous) < 0
+        if backwards.any():
+            at = int(np.argmax(backwards))
+            before = previous if at == 0 else int(times_ns[at - 1])
+            raise RecordingError(
+                f"rows were recorded back in time: {int(times_ns[at])} ns after {before} ns"
+            )
+
+    def _write(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        import pyarrow as pa
+
+        by_column = np.ascontiguousarray(rows.T)
+        arrays = [pa.array(np.ascontiguousarray(times_ns)), *map(pa.array, by_column)]
+        try:
+            self._stream.write_batch(pa.record_batch(arrays, schema=self._schema))
+        except OSError as fault:
+            raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
+
+    def finish(self, reason: str = "") -> Result:
+        """Ends the recording and gives the result; with a `reason` the run is incomplete.
+
+        A second call gives the same result.
+        """
+        if self.result is not None:
+            return self.result
+        until = None if self._last is None else float(to_seconds(np.array([self._last]))[0])
+        status = RunStatus(INCOMPLETE if reason else COMPLETE, until, reason)
+        wall_time = clock.perf_counter() - self._begun
+        self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
+        if self.folder is None:
+            self.result = self._from_memory()
+        else:
+            self._close()
+            self.result = seal(self.folder, self._manifest)
+        return self.result
+
+    def _from_memory(self) -> Result:
+        times = [chunk[0] for chunk in self._chunks] or [np.empty(0, dtype=np.int64)]
+        rows = [chunk[1] for chunk in self._chunks] or [np.empty((0, len(self.columns)))]
+        data = np.asfortranarray(np.concatenate(rows))
+        return Result(self.columns, to_seconds(np.concatenate(times)), data, self._manifest)
+
+    def _close(self) -> None:
+        try:
+            self._stream.close()
+            self._file.close()
+        except OSError as fault:
+            raise RecordingError(f"cannot close the rows in {self.folder}: {fault}") from fault
+
+    def __enter__(self) -> Recording:
+        """This recording."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        fault: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Finishes it."""
+        self.finish("" if fault is None else f"{type(fault).__name__}: {fault}")
+
+
+def prepare_folder(folder: Path) -> None:
+    """Makes the run folder; raises `RecordingError` where it holds something or cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        held = next(folder.iterdir(), None)
+    except OSError as fault:
+        raise RecordingError(
+            f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another one"
+        ) from fault
+    if held is not None:
+        raise RecordingError(
+            f"the run folder {folder} is not empty (it holds {held.name!r}); nothing was changed "
+            "in it: choose another folder, or remove it first"
+        )

@@ -1,0 +1,198 @@
+"""All metrics of a step response, or of each step of a multi-step reference, gathered."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError
+from harness.results import metrics
+
+Array = NDArray[np.float64]
+
+SHORTEST_SEGMENT = 3  # samples; a reference that moves more often is no sequence of steps
+
+
+@dataclass(frozen=True)
+class TrackingMetrics:
+    """What can be said for any reference; definitions in `harness.results.metrics`.
+
+    `steady_state_*` in % of the reference over the final window; integrals in the unit of the
+    response times s; control figures in the unit of the control.
+    """
+
+    steady_state_mean: float
+    steady_state_rms: float
+    steady_state_max: float
+    iae: float
+    ise: float
+    itae: float
+    control_effort: float
+    control_rms: float
+    actuator_travel: float
+    lost_loop: bool
+
+
+@dataclass(frozen=True)
+class StepMetrics:
+    """One step: `start` (s) its instant, `initial` and `final` the reference before and after,
+    times in s since the step (None where never), `overshoot` in %, `band` the share of the step
+    that counts as settled, and the tracking figures from the step to the end."""
+
+    start: float
+    initial: float
+    final: float
+    band: float
+    delay_time: float | None
+    rise_time: float | None
+    overshoot: float
+    settling_time: float | None
+    tracking: TrackingMetrics
+
+    def as_dict(self) -> dict[str, float | None]:
+        """The figures by name, flat, for tables and files; `lost_loop` as 0 or 1."""
+        own = {
+            "delay_time": self.delay_time,
+            "rise_time": self.rise_time,
+            "overshoot": self.overshoot,
+            "settling_time": self.settling_time,
+        }
+        return own | {k: float(v) for k, v in dataclasses.asdict(self.tracking).items()}
+
+
+def metric_units(response_unit: str, control_unit: str) -> dict[str, str]:
+    """The unit of each name in `StepMetrics.as_dict`."""
+    return {
+        "delay_time": "s",
+        "rise_time": "s",
+        "overshoot": "%",
+        "settling_time": "s",
+        "steady_state_mean": "%",
+        "steady_state_rms": "%",
+        "steady_state_max": "%",
+        "iae": f"{response_unit}·s",
+        "ise": f"{response_unit}²·s",
+        "itae": f"{response_unit}·s²",
+        "control_effort": f"{control_unit}²·s",
+        "control_rms": control_unit,
+        "actuator_travel": control_unit,
+        "lost_loop": "0 or 1",
+    }
+
+
+def tracking_metrics(
+    time: Array, reference: Array, response: Array, control: Array, *, window: float = 0.1
+) -> TrackingMetrics:
+    """The figures that any reference allows; `window` is the final share of the time that counts
+    as steady state."""
+    check_arrays(time, reference=reference, response=response, control=control)
+    end = metrics.final_window(time, window)
+    return TrackingMetrics(
+        steady_state_mean=metrics.steady_state_mean(reference[end], response[end]),
+        steady_state_rms=metrics.steady_state_rms(reference[end], response[end]),
+        steady_state_max=metrics.steady_state_max(reference[end], response[end]),
+        iae=metrics.iae(time, reference, response),
+        ise=metrics.ise(time, reference, response),
+        itae=metrics.itae(time, reference, response),
+        control_effort=metrics.control_effort(time, control),
+        control_rms=metrics.control_rms(time, control),
+        actuator_travel=metrics.actuator_travel(control),
+        lost_loop=metrics.lost_loop(time, reference, response, window=window),
+    )
+
+
+def step_metrics(
+    time: Array,
+    reference: Array,
+    response: Array,
+    control: Array,
+    *,
+    band: float = 0.02,
+    window: float = 0.1,
+) -> StepMetrics:
+    """The metrics of a reference with one step.
+
+    A reference that is constant throughout counts as a step at the first sample, from the
+    response found there. Raises `UsageError` where the reference has several steps
+    (`segment_metrics` takes those) or none.
+    """
+    found = segment_metrics(time, reference, response, control, band=band, window=window)
+    if len(found) != 1:
+        raise UsageError(
+            f"the reference has {len(found)} steps where one was expected; use segment_metrics"
+        )
+    return found[0]
+
+
+def segment_metrics(
+    time: Array,
+    reference: Array,
+    response: Array,
+    control: Array,
+    *,
+    band: float = 0.02,
+    window: float = 0.1,
+) -> tuple[StepMetrics, ...]:
+    """The metrics of each step of the reference, each from its step to the sample before the next.
+
+    What comes before the first change of the reference belongs to no step, except where the
+    response starts elsewhere than the reference: then that is the first step.
+    """
+    check_arrays(time, reference=reference, response=response, control=control)
+    made = []
+    for part in segments(time, reference):
+        k = part.start
+        initial = float(response[0] if k == 0 else reference[k - 1])
+        final = float(reference[k])
+        if initial == final:
+            continue
+        t, y = time[part], response[part]
+        made.append(
+            StepMetrics(
+                start=float(t[0]),
+                initial=initial,
+                final=final,
+                band=band,
+                delay_time=metrics.delay_time(t, y, initial, final),
+                rise_time=metrics.rise_time(t, y, initial, final),
+                overshoot=metrics.overshoot(y, initial, final),
+                settling_time=metrics.settling_time(t, y, initial, final, band),
+                tracking=tracking_metrics(t, reference[part], y, control[part], window=window),
+            )
+        )
+    return tuple(made)
+
+
+def segments(time: Array, reference: Array) -> tuple[slice, ...]:
+    """The stretches of samples over which the reference is constant.
+
+    Raises `UsageError` where one is shorter than 3 samples: such a reference moves, and only
+    `tracking_metrics` makes sense of it.
+    """
+    changes = np.flatnonzero(np.diff(reference) != 0.0) + 1
+    edges = [0, *changes.tolist(), len(reference)]
+    parts = tuple(slice(a, b) for a, b in pairwise(edges))
+    for part in parts:
+        if part.stop - part.start < SHORTEST_SEGMENT:
+            raise UsageError(
+                f"the reference is no sequence of steps: it holds its value at t = "
+                f"{time[part.start]:g} s for {part.stop - part.start} samples, at least "
+                f"{SHORTEST_SEGMENT} were expected; use tracking_metrics"
+            )
+    return parts
+
+
+def check_arrays(time: Array, **others: Array) -> None:
+    """All arrays have the length of `time`, at least 2, and the time increases."""
+    for name, values in others.items():
+        if values.shape != time.shape:
+            raise UsageError(
+                f"{name} has shape {values.shape}, but time has shape {time.shape}; metrics need "
+                "one value a sample"
+            )
+    if len(time) < 2 or not np.all(np.diff(time) > 0.0):
+        raise UsageError("metrics need at least two samples at increasing times")

@@ -1,0 +1,194 @@
+"""The files of a run folder: from the stream to Parquet and CSV, and back to a `Result`."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import RecordingError
+from harness.results.columns import (
+    TIME,
+    TIME_NS,
+    Column,
+    schema_columns,
+    stream_schema,
+    table_schema,
+)
+from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
+from harness.results.result import Result
+
+STREAM_FILE = "rows.arrows"
+PARQUET_FILE = "results.parquet"
+CSV_FILE = "results.csv"
+METRICS_FILE = "metrics.json"
+ROWS_A_BLOCK = 65_536
+
+NANOSECONDS = 1e9
+
+
+def to_seconds(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The double nearest to each time in seconds."""
+    return np.asarray(times_ns / NANOSECONDS)
+
+
+def seal(folder: Path, manifest: Manifest | None = None, *, reason: str = "") -> Result:
+    """Turns the stream of an ended run into Parquet and CSV, writes the manifest, removes the
+    stream, and gives the result.
+
+    For a run whose process died, call it with the `reason` alone: the manifest in the folder is
+    completed with status "incomplete" and the time of the last whole chunk. A folder that is
+    sealed already is only read.
+    """
+    folder = Path(folder)
+    stream = folder / STREAM_FILE
+    if not stream.exists():
+        return read_recording(folder)
+    written = manifest or read_manifest(folder)
+    try:
+        last = _convert(folder, stream, written.columns)
+        if written.status.state == RUNNING:
+            until = None if last is None else last / NANOSECONDS
+            status = RunStatus(INCOMPLETE, until, reason or "the run ended without a word")
+            written = replace(written, status=status)
+        written.write(folder)
+        stream.unlink()
+    except OSError as fault:
+        raise RecordingError(f"cannot write the results into {folder}: {fault}") from fault
+    return read_recording(folder)
+
+
+def read_recording(folder: Path) -> Result:
+    """The result of a complete or incomplete run; raises `RecordingError` where there is none."""
+    import pyarrow as pa
+    import pyarrow.parquet as parquet
+
+    folder = Path(folder)
+    manifest = read_manifest(folder)
+    try:
+        if (folder / STREAM_FILE).exists():
+            return _read_stream(folder, manifest)
+        table = parquet.read_table(folder / PARQUET_FILE)
+    except (OSError, pa.ArrowInvalid) as fault:
+        raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
+    time = np.array(table.column(TIME))
+    return _result(schema_columns(table.schema), time, table, manifest, folder)
+
+
+def _read_stream(folder: Path, manifest: Manifest) -> Result:
+    """What a running or dead process has written so far."""
+    import pyarrow as pa
+
+    schema = stream_schema(manifest.columns)
+    table = pa.Table.from_batches(list(_whole_batches(folder / STREAM_FILE)), schema=schema)
+    time = to_seconds(np.array(table.column(TIME_NS)))
+    if manifest.status.state == RUNNING:
+        until = float(time[-1]) if len(time) else None
+        status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
+        manifest = replace(manifest, status=status)
+    return _result(manifest.columns, time, table, manifest, folder)
+
+
+def _result(
+    columns: tuple[Column, ...],
+    time: NDArray[np.float64],
+    table: Any,
+    manifest: Manifest,
+    folder: Path,
+) -> Result:
+    data = np.empty((len(time), len(columns)), order="F")
+    for index in range(len(columns)):
+        data[:, index] = table.column(index + 1)
+    return Result(columns, time, data, manifest, folder, read_metrics(folder))
+
+
+def _whole_batches(stream: Path) -> Iterator[Any]:
+    """The record batches of a stream up to its end or to the first that is not whole."""
+    import pyarrow as pa
+
+    with pa.OSFile(str(stream), "rb") as source:
+        try:
+            reader = pa.ipc.open_stream(source)
+        except pa.ArrowInvalid:  # the process died before the schema was written
+            return
+        while True:
+            try:
+                batch = reader.read_next_batch()
+            except (StopIteration, pa.ArrowInvalid, OSError):
+                return
+            yield batch
+
+
+def _blocks(stream: Path) -> Iterator[Any]:
+    """The stream's rows as tables of at least `ROWS_A_BLOCK` rows (the last may be shorter)."""
+    import pyarrow as pa
+
+    held: list[Any] = []
+    rows = 0
+    for batch in _whole_batches(stream):
+        held.append(batch)
+        rows += batch.num_rows
+        if rows >= ROWS_A_BLOCK:
+            yield pa.Table.from_batches(held).combine_chunks()
+            held, rows = [], 0
+    if held:
+        yield pa.Table.from_batches(held).combine_chunks()
+
+
+def _convert(folder: Path, stream: Path, columns: Sequence[Column]) -> int | None:
+    """Writes Parquet and CSV beside the stream; the last time (ns), None where it has no row."""
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+    import pyarrow.parquet as parquet
+
+    schema = table_schema(columns)
+    no_header = arrow_csv.WriteOptions(include_header=False)
+    last: int | None = None
+    parquet_part, csv_part = folder / (PARQUET_FILE + ".partial"), folder / (CSV_FILE + ".partial")
+    with parquet.ParquetWriter(parquet_part, schema) as table_file, csv_part.open("wb") as csv_file:
+        csv_file.write(csv_header([TIME, *(one.name for one in columns)]).encode())
+        for block in _blocks(stream):
+            times_ns = np.array(block.column(TIME_NS))
+            last = int(times_ns[-1])
+            arrays = [pa.array(to_seconds(times_ns)), *block.columns[1:]]
+            table = pa.Table.from_arrays(arrays, schema=schema)
+            table_file.write_table(table)
+            arrow_csv.write_csv(table, csv_file, no_header)
+    parquet_part.replace(folder / PARQUET_FILE)
+    csv_part.replace(folder / CSV_FILE)
+    return last
+
+
+def csv_header(names: Sequence[str]) -> str:
+    """The first line of a CSV file: names in double quotes, verbatim but for doubled quotes."""
+    return ",".join('"' + name.replace('"', '""') + '"' for name in names) + "\n"
+
+
+def write_metrics(folder: Path, metrics: Mapping[str, float | None]) -> None:
+    """Writes `metrics.json` into a run folder; what is not finite is written as a string."""
+    plain = {
+        name: value if value is None or math.isfinite(value) else str(float(value))
+        for name, value in metrics.items()
+    }
+    try:
+        (folder / METRICS_FILE).write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
+    except OSError as fault:
+        raise RecordingError(f"cannot write the metrics into {folder}: {fault}") from fault
+
+
+def read_metrics(folder: Path) -> dict[str, float | None]:
+    """The metrics of a run folder, none where there are none."""
+    path = folder / METRICS_FILE
+    if not path.exists():
+        return {}
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+        return {name: None if value is None else float(value) for name, value in held.items()}
+    except (OSError, ValueError, AttributeError) as fault:
+        raise RecordingError(f"{path} cannot be read as metrics: {fault!r}") from fault
