@@ -8,10 +8,19 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from harness.results.result import Result
 
 
 class HarnessError(Exception):
-    """Base of all faults reported by the harness."""
+    """Base of all faults reported by the harness.
+
+    `result` holds the rows that a run recorded before the fault, where there was a run.
+    """
+
+    result: Result | None = None
 
 
 class UsageError(HarnessError):

@@ -36,7 +36,7 @@ from harness.execution.actions import (
     Transfer,
     Write,
 )
-from harness.execution.clock import common_cycle, show
+from harness.clock import common_cycle, show
 from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (

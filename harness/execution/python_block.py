@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.execution.clock import NANOSECONDS
+from harness.clock import NANOSECONDS
 from harness.execution.loop import INSTANT
 from harness.system.graph import PythonComponent
 

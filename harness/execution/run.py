@@ -15,14 +15,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Protocol
-from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
-from harness.execution.clock import to_seconds
+from harness.clock import to_seconds
 from harness.execution.faults import explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
@@ -31,6 +30,8 @@ from harness.fmi.fmu import Fmu
 from harness.fmi.instance import FmuInstance
 from harness.fmi.logger import LogMessage
 from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription
+from harness.instruments.source import named_seed
+from harness.results.columns import Column
 from harness.system.check import check, inputs_of, outputs_of
 from harness.system.graph import Endpoint, FmuComponent, System
 from harness.system.lowering import DelayComponent, lower
@@ -46,17 +47,8 @@ Progress = Callable[[float], None]
 class Recorder(Protocol):
     """Receives rows as they come."""
 
-    def write(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Times (n,) and rows (n, columns); both are only valid during the call."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A recorded signal."""
-
-    name: str
-    unit: str
-    description: str
 
 
 @dataclass(frozen=True)
@@ -195,7 +187,7 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
         instance.enter_initialization_mode(start, stop, component.tolerance)
     program = link(plan, instances)
     for signal in program.signals:
-        first = signal.source.sampler(_seed(system, signal.name))
+        first = signal.source.sampler(named_seed(system.seed, signal.name))
         value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
         program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
     outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
@@ -220,7 +212,7 @@ class _Samples:
         self.start, self.stop = system.start_ns, system.stop_ns
         self.cycle_ns = program.plan.cycle_ns
         self.signals = program.signals
-        self.samplers = [s.source.sampler(_seed(system, s.name)) for s in program.signals]
+        self.samplers = [s.source.sampler(named_seed(system.seed, s.name)) for s in program.signals]
         self.cursors = np.zeros(max(1, len(self.signals)), dtype=np.int64)
         self.values = np.zeros(1)
 
@@ -265,7 +257,7 @@ def _loop(
         finally:
             done = program.clock[ROWS]
             if done:
-                recorder.write(times[:done], rows[:done])
+                recorder.append(times[:done], rows[:done])
         if outcome != op.OK:
             return explain(program, instances, outcome)
         cycle = int(program.clock[CYCLE])
@@ -303,6 +295,3 @@ def _call(
     )
     return outcome
 
-
-def _seed(system: System, name: str) -> np.random.SeedSequence:
-    return np.random.SeedSequence([system.seed, crc32(name.encode())])

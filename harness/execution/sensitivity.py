@@ -18,7 +18,7 @@ import numpy as np
 
 from harness.errors import FmuError
 from harness.execution import operations as op
-from harness.execution.clock import to_seconds
+from harness.clock import to_seconds
 from harness.execution.compile import compile_step
 from harness.fmi.instance import FmuInstance
 from harness.system.block import Array, KernelBlock, Port

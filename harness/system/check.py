@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from harness.errors import GraphError, UnitError, nearest
-from harness.execution.clock import show
+from harness.clock import show
 from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription, Variable
 from harness.system.graph import (
     ALGORITHMS,

@@ -9,45 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from harness.system.block import Block, BlockSignal, KernelBlock, Port
-
-
-class Sampler(Protocol):
-    """Produces the values of a signal for consecutive sample instants."""
-
-    def sample(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Values (n,) at the instants `times_ns` (n,), which follow those asked for before."""
-
-
-class SignalSource(Protocol):
-    """A signal as data; `sampler` makes a fresh, reproducible sequence of it."""
-
-    @property
-    def unit(self) -> str:
-        """Unit of the values, "" where it is not stated."""
-
-    def sampler(self, seed: np.random.SeedSequence) -> Sampler:
-        """A new sampler; the same seed gives the same values."""
-
-
-class Imperfection(Protocol):
-    """Something put on a wire; `source` is wired to the second input of its block, if it has one."""
-
-    @property
-    def kind(self) -> str:
-        """Its name in experiment files and in the names of recorded signals."""
-
-    @property
-    def source(self) -> SignalSource | None:
-        """The random or added signal, or None."""
-
-    def block(self, sample_time: float) -> KernelBlock:
-        """The block that does it, for a wire read every `sample_time` s."""
+from harness.instruments.imperfections import Imperfection
+from harness.instruments.source import SignalSource
+from harness.system.block import Block, BlockSignal, Port
 
 
 @dataclass(frozen=True)
@@ -107,7 +73,7 @@ class SignalComponent:
     @property
     def outputs(self) -> tuple[BlockSignal, ...]:
         """The output `value` in the unit of the source."""
-        return (Port("value", self.source.unit),)
+        return (Port("value", self.source.unit or ""),)
 
 
 @dataclass(frozen=True)

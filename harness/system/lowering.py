@@ -14,16 +14,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from harness.execution.clock import to_seconds
+from harness.clock import to_seconds
 from harness.system.check import Descriptions, inputs_of, outputs_of
 from harness.system.delay import delay_block
+from harness.instruments.imperfections import Imperfection
 from harness.system.graph import (
     BlockComponent,
     Component,
     Connection,
     Endpoint,
     FmuComponent,
-    Imperfection,
     SampledComponent,
     SignalComponent,
     System,

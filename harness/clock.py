@@ -7,29 +7,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from decimal import Decimal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.errors import TimingError
 
 NANOSECONDS = 1_000_000_000
-_LIMIT = 2**62
+LONGEST = 9.2e9
+"""Seconds beyond which int64 nanoseconds overflow (292 years)."""
+
+_ROUNDING = 1e-12  # relative; 0.1 + 0.2 means 0.3, but 1/3 s is no whole number of nanoseconds
 
 
 def to_nanoseconds(seconds: float, what: str) -> int:
-    """`seconds` as whole nanoseconds; raises `TimingError` when it is none, naming `what`.
-
-    A float counts as the shortest decimal that stands for it, so 0.1 is exactly 100 000 000 ns.
-    """
+    """`seconds` as whole nanoseconds; raises `TimingError` naming `what` when it is none."""
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TimingError(f"{what} must be a number of seconds, not {seconds!r}")
-    if not math.isfinite(seconds):
-        raise TimingError(f"{what} must be finite, not {seconds} s")
-    exact = Decimal(repr(seconds)) * NANOSECONDS
-    whole = int(exact.to_integral_value())
-    if exact != whole:
+    if not math.isfinite(seconds) or abs(seconds) > LONGEST:
+        raise TimingError(f"{what} must be finite and below {LONGEST:g} s, not {seconds} s")
+    whole = round(seconds * NANOSECONDS)
+    if abs(seconds * NANOSECONDS - whole) > max(_ROUNDING * abs(whole), 1e-6):
         raise TimingError(f"{what} of {seconds!r} s is no whole number of nanoseconds")
-    if abs(whole) > _LIMIT:
-        raise TimingError(f"{what} of {seconds!r} s is beyond the range of integer nanoseconds")
     return whole
 
 
@@ -44,6 +43,11 @@ def to_period(seconds: float, what: str) -> int:
 def to_seconds(nanoseconds: int) -> float:
     """The double nearest to that many nanoseconds, in seconds."""
     return nanoseconds / NANOSECONDS
+
+
+def seconds_of(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The double nearest to each instant, in seconds (below 2^53 ns, which is 104 days)."""
+    return times_ns / float(NANOSECONDS)
 
 
 def show(nanoseconds: int) -> str:

@@ -1,0 +1,321 @@
+"""The test bench for scripts and notebooks: put a system together, run it, look at it.
+
+    bench = Bench(stop_time=3.0, step=0.01)
+    bench.fmu("plant", "hybrid_actuator")
+    bench.controller("controller", "pid", Kp=2e-4, Ki=1e-3)
+    bench.signal("reference", "step", time=0.1, final=2000.0)
+    bench.connect("reference.value", "controller.reference")
+    bench.connect("plant.force", "controller.measured", noise={"std": 5.0})
+    bench.connect("controller.u", "plant.command")
+    result = bench.run()
+    result.plot("plant.force", "controller.u")
+
+Experiment files are read into the same bench, so whatever one can do, the other can.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from harness import registry
+from harness.clock import to_nanoseconds, to_period
+from harness.errors import ExperimentError, HarnessError, UsageError, nearest
+from harness.execution.run import Progress, columns_of, execute, opened, plan_system
+from harness.fmi.logger import LogMessage
+from harness.instruments.imperfections import Imperfection, make_imperfection
+from harness.instruments.signals import make_signal
+from harness.instruments.source import SignalSource
+from harness.results.manifest import FmuRecord, Manifest
+from harness.results.recording import Recording
+from harness.results.result import Result
+from harness.system.block import Block, Port
+from harness.system.graph import (
+    BlockComponent,
+    Component,
+    Connection,
+    Endpoint,
+    FmuComponent,
+    PythonComponent,
+    SensitivityComponent,
+    SignalComponent,
+    System,
+)
+
+Echo = Callable[[str, LogMessage], None]
+
+
+class Bench:
+    """A system under construction; times are seconds, all methods raise `HarnessError`.
+
+    `step` is the communication step of the FMUs, the sample time of controllers and signals, and
+    the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
+    "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
+    from plants, `portable` asks for their Python packaging.
+    """
+
+    def __init__(
+        self,
+        *,
+        stop_time: float,
+        step: float = 0.01,
+        start_time: float = 0.0,
+        record_step: float | None = None,
+        record: Sequence[str] = ("*",),
+        algorithm: str = "jacobi",
+        seed: int = 0,
+        fmi_version: int = 3,
+        portable: bool = False,
+    ) -> None:
+        self.start_ns = to_nanoseconds(start_time, "start_time")
+        self.stop_ns = to_nanoseconds(stop_time, "stop_time")
+        self.step_ns = to_period(step, "step")
+        self.record_ns = self._period(record_step, "record_step")
+        self.record = tuple(record)
+        self.algorithm = algorithm
+        self.seed = seed
+        self.fmi_version = fmi_version
+        self.portable = portable
+        self._components: dict[str, Component] = {}
+        self._connections: list[Connection] = []
+
+    # components
+
+    def fmu(
+        self,
+        name: str,
+        source: str | Path,
+        *,
+        step: float | None = None,
+        tolerance: float | None = None,
+        start_values: Mapping[str, Any] | None = None,
+    ) -> None:
+        """An FMU: the name of a plant, or the path of an .fmu file. `step` is its communication
+        step, `tolerance` is offered to its solver."""
+        text = str(source)
+        if text.endswith(".fmu") or "/" in text or "\\" in text:
+            path = Path(source)
+        else:
+            path = registry.plant(text).fmu(self.fmi_version, portable=self.portable)
+        period = self._period(step, f"step of {name}")
+        self._add(FmuComponent(name, path, period, dict(start_values or {}), tolerance))
+
+    def controller(
+        self,
+        name: str,
+        source: Any,
+        *,
+        sample_time: float | None = None,
+        phase: float = 0.0,
+        outputs: Sequence[str] = ("u",),
+        **parameters: Any,
+    ) -> None:
+        """A controller or estimator.
+
+        `source` is a registered name or "package.module:Class" (with its `parameters`), a
+        controller object with a method `block(sample_time)`, a block, or plain Python: a function,
+        or an object with a method `step`, of `(time, *inputs)`. The names of its inputs are those
+        of its arguments, its results are called `outputs`.
+        """
+        period = self._period(sample_time, f"sample_time of {name}")
+        phase_ns = to_nanoseconds(phase, f"phase of {name}")
+        if isinstance(source, str):
+            source = registry.controller(source)
+        if isinstance(source, type):
+            source = _construct(name, source, parameters)
+        elif parameters:
+            raise UsageError(f"component {name}: parameters are taken with a name or a class only")
+        if not isinstance(source, Block) and hasattr(source, "block"):
+            source = source.block(period / 1e9)
+        if isinstance(source, Block):
+            self._add(BlockComponent(name, source, period, phase_ns))
+            return
+        function = getattr(source, "step", source)
+        if not callable(function):
+            raise UsageError(
+                f"component {name}: {source!r} is no controller; give a registered name, a class, "
+                "a block, a function or an object with a method step"
+            )
+        ports = tuple(Port(argument) for argument in _arguments(name, function))
+        made = tuple(Port(output) for output in outputs)
+        self._add(PythonComponent(name, function, ports, made, period, phase_ns))
+
+    def signal(
+        self,
+        name: str,
+        source: str | SignalSource,
+        *,
+        step: float | None = None,
+        **parameters: Any,
+    ) -> None:
+        """A signal by its kind ("step", "sine", "white_noise", …) with parameters, or as a source.
+        Its output is `name.value`, sampled every `step`."""
+        made = make_signal(source, parameters) if isinstance(source, str) else source
+        self._add(SignalComponent(name, made, self._period(step, f"step of {name}")))
+
+    def sensitivity(
+        self, name: str, *, of: str, to: str, sample_time: float | None = None
+    ) -> None:
+        """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
+        `harness.execution.sensitivity`."""
+        output, known = self._endpoint(of), self._endpoint(to)
+        if output.component != known.component:
+            raise UsageError(f"sensitivity {name}: {of} and {to} belong to different components")
+        period = self._period(sample_time, f"sample_time of {name}")
+        self._add(
+            SensitivityComponent(name, output.component, output.variable, known.variable, period)
+        )
+
+    # wires
+
+    def connect(
+        self,
+        source: str,
+        target: str,
+        *,
+        delay: float = 0.0,
+        imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
+        **named: Mapping[str, Any],
+    ) -> None:
+        """A wire from `component.output` to `component.input`.
+
+        What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
+        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds.
+        """
+        put = [_imperfection(one) for one in imperfections]
+        put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
+        label = f"delay of {source} -> {target}"
+        self._connections.append(
+            Connection(
+                self._endpoint(source),
+                self._endpoint(target),
+                to_nanoseconds(delay, label),
+                tuple(put),
+            )
+        )
+
+    # running
+
+    def system(self) -> System:
+        """The system as data."""
+        return System(
+            tuple(self._components.values()),
+            tuple(self._connections),
+            self.start_ns,
+            self.stop_ns,
+            self.record_ns,
+            self.algorithm,
+            self.seed,
+        )
+
+    def run(
+        self,
+        folder: str | Path | None = None,
+        *,
+        progress: Progress | None = None,
+        echo: Echo | None = None,
+        experiment: Mapping[str, Any] | None = None,
+    ) -> Result:
+        """Run to the stop time; rows go to `folder`, or stay in memory.
+
+        A run that ends early raises its fault, whose attribute `result` holds the rows so far.
+        `echo(component, message)` sees the messages of FMUs; `experiment` goes to the manifest.
+        """
+        return run_system(
+            self.system(), folder, record=self.record, progress=progress, echo=echo,
+            experiment=experiment,
+        )  # fmt: skip
+
+    def _add(self, component: Component) -> None:
+        if component.name in self._components:
+            raise UsageError(f"component name {component.name!r} is used twice")
+        if "." in component.name or "/" in component.name or not component.name:
+            raise UsageError(f"component name {component.name!r} must have no '.' and no '/'")
+        self._components[component.name] = component
+
+    def _period(self, seconds: float | None, what: str) -> int:
+        return self.step_ns if seconds is None else to_period(seconds, what)
+
+    def _endpoint(self, text: str) -> Endpoint:
+        component, dot, variable = text.partition(".")
+        if not dot:
+            known = self._components.get(component)
+            if isinstance(known, (SignalComponent, SensitivityComponent)):
+                return Endpoint(component, "value")
+            hint = nearest(component, self._components)
+            raise UsageError(f"{text!r} is no port; write component.variable ({hint})")
+        return Endpoint(component, variable)
+
+
+def run_system(
+    system: System,
+    folder: str | Path | None = None,
+    *,
+    record: Sequence[str] = ("*",),
+    progress: Progress | None = None,
+    echo: Echo | None = None,
+    experiment: Mapping[str, Any] | None = None,
+) -> Result:
+    """Check, plan and run a system; see `Bench.run`."""
+    with opened(system) as fmus:
+        plan = plan_system(system, fmus, tuple(record))
+        manifest = Manifest(
+            fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
+            seeds={"seed": system.seed},
+            experiment=dict(experiment or {}),
+        )
+        recording = Recording(
+            columns_of(plan, fmus), None if folder is None else Path(folder), manifest
+        )
+        with recording:
+            outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
+            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
+    if outcome.fault is not None:
+        outcome.fault.result = result
+        raise outcome.fault
+    return result
+
+
+def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
+    if dataclasses.is_dataclass(kind):
+        legal = [field.name for field in dataclasses.fields(kind)]
+        for key in parameters:
+            if key not in legal:
+                raise ExperimentError(
+                    f"component {name}: {kind.__name__} has no parameter {key!r}; "
+                    f"{nearest(key, legal)}"
+                )
+    try:
+        return kind(**{k: _tuples(v) for k, v in parameters.items()})
+    except HarnessError:
+        raise
+    except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
+        raise ExperimentError(f"component {name}: {kind.__name__}: {fault}") from fault
+    except Exception as fault:
+        raise ExperimentError(f"component {name}: {fault}") from fault
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
+
+
+def _imperfection(given: Imperfection | Mapping[str, Any]) -> Imperfection:
+    if not isinstance(given, Mapping):
+        return given
+    if "kind" not in given:
+        raise ExperimentError(f"imperfection {dict(given)!r} lacks its 'kind'")
+    return make_imperfection(given["kind"], {k: v for k, v in given.items() if k != "kind"})
+
+
+def _arguments(name: str, function: Callable[..., Any]) -> list[str]:
+    parameters = list(inspect.signature(function).parameters.values())
+    plain = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    if not parameters or any(p.kind not in plain for p in parameters):
+        raise UsageError(
+            f"component {name}: a plain Python controller takes (time, input, input, …) by "
+            f"position, not {inspect.signature(function)}"
+        )
+    return [p.name for p in parameters[1:]]

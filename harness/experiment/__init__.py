@@ -1,0 +1,1 @@
+"""Experiment files: their form, their variants, and running them."""

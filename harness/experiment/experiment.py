@@ -1,0 +1,200 @@
+"""An experiment: a checked file, its variants, and the bench that each of them runs on."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import ValidationError
+
+from harness.bench import Bench, Echo
+from harness.errors import ExperimentError, HarnessError, nearest
+from harness.execution.run import Progress
+from harness.experiment.faults import describe
+from harness.experiment.schema import (
+    ControllerSpec,
+    ExperimentSpec,
+    FmuSpec,
+    SignalSpec,
+)
+from harness.results.result import Result
+from harness.results.step_response import segment_metrics
+
+Table = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A checked experiment. `data` is the file's content after settings; `path` its place."""
+
+    path: Path
+    data: Table
+    spec: ExperimentSpec
+
+    @classmethod
+    def load(cls, path: str | Path, settings: Mapping[str, Any] | None = None) -> Self:
+        """Read a file and change `settings` in it (dotted keys); raises `ExperimentError`."""
+        path = Path(path)
+        try:
+            data = tomllib.loads(path.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError) as fault:
+            raise ExperimentError(f"experiment file {path} cannot be read: {fault}") from fault
+        except tomllib.TOMLDecodeError as fault:
+            raise ExperimentError(f"experiment file {path} is no valid TOML: {fault}") from fault
+        for key, value in (settings or {}).items():
+            _set(data, key, value)
+        return cls.from_data(data, path)
+
+    @classmethod
+    def from_data(cls, data: Table, path: Path) -> Self:
+        """Check the content of a file; raises `ExperimentError` with one line for each fault."""
+        spec = _checked(data, path)
+        experiment = cls(path, data, spec)
+        for name in spec.variants:
+            experiment.variant_spec(name)
+        experiment._check_names()
+        return experiment
+
+    @property
+    def name(self) -> str:
+        """Folder and stem of the file, as in "ahn2009/figure_7"."""
+        return f"{self.path.resolve().parent.name}/{self.path.stem}"
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Names of the variants; a file without any has the one called "run"."""
+        return tuple(self.spec.variants) or ("run",)
+
+    def label(self, variant: str) -> str:
+        """The variant's name for people."""
+        given = self.spec.variants.get(variant)
+        return variant if given is None or given.label is None else given.label
+
+    def variant_spec(self, variant: str) -> ExperimentSpec:
+        """The whole experiment as that variant changes it."""
+        if variant not in self.spec.variants:
+            if variant == "run" and not self.spec.variants:
+                return self.spec
+            raise ExperimentError(
+                f"{self.path}: no variant {variant!r}; {nearest(variant, self.variants)}"
+            )
+        changes = {k: v for k, v in self.data["variants"][variant].items() if k != "label"}
+        merged = _merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
+        return _checked(merged, self.path, f"variants.{variant}")
+
+    def bench(self, variant: str, *, seed: int | None = None) -> Bench:
+        """The bench of a variant, with another `seed` if given."""
+        spec = self.variant_spec(variant)
+        bench = Bench(
+            stop_time=spec.stop_time, step=spec.step, start_time=spec.start_time,
+            record_step=spec.record_step, record=spec.record, algorithm=spec.algorithm,
+            seed=spec.seed if seed is None else seed, fmi_version=spec.fmi_version,
+            portable=spec.portable,
+        )  # fmt: skip
+        try:
+            self._fill(bench, spec)
+        except HarnessError as fault:
+            raise ExperimentError(f"{self.path} ({variant}): {fault}") from fault
+        return bench
+
+    def _fill(self, bench: Bench, spec: ExperimentSpec) -> None:
+        for name, c in spec.components.items():
+            if isinstance(c, FmuSpec):
+                is_path = c.fmu.endswith(".fmu")
+                source = self.path.parent / c.fmu if is_path else c.fmu
+                bench.fmu(name, source, step=c.step, tolerance=c.tolerance,
+                          start_values=c.start_values)  # fmt: skip
+            elif isinstance(c, ControllerSpec):
+                bench.controller(name, c.controller, sample_time=c.sample_time, phase=c.phase,
+                                 outputs=c.outputs, **c.parameters)  # fmt: skip
+            elif isinstance(c, SignalSpec):
+                bench.signal(name, c.signal, step=c.step, **self._with_paths(c.parameters))
+            else:
+                bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
+        for wire in spec.connections:
+            bench.connect(
+                wire.source, wire.target, delay=wire.delay, imperfections=wire.imperfections
+            )
+
+    def _with_paths(self, parameters: Table) -> Table:
+        """CSV files are named relative to the experiment file."""
+        if isinstance(parameters.get("file"), str):
+            return {**parameters, "file": str(self.path.parent / parameters["file"])}
+        return parameters
+
+    def _check_names(self) -> None:
+        study = self.spec.study
+        if study is not None and study.baseline not in self.variants:
+            hint = nearest(study.baseline, self.variants)
+            raise ExperimentError(f"{self.path}: study.baseline {study.baseline!r}: {hint}")
+        for name, plot in self.spec.plots.items():
+            for variant in plot.variants:
+                if variant not in self.variants:
+                    hint = nearest(variant, self.variants)
+                    raise ExperimentError(f"{self.path}: plots.{name}.variants {variant!r}: {hint}")
+
+    def run(
+        self,
+        variant: str,
+        folder: str | Path | None = None,
+        *,
+        seed: int | None = None,
+        progress: Progress | None = None,
+        echo: Echo | None = None,
+    ) -> Result:
+        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does."""
+        spec = self.variant_spec(variant)
+        bench = self.bench(variant, seed=seed)
+        resolved = spec.model_dump(mode="json", by_alias=True) | {"variant": variant}
+        try:
+            result = bench.run(folder, progress=progress, echo=echo, experiment=resolved)
+        except HarnessError as fault:
+            if fault.result is not None:
+                fault.result = self.measured(fault.result, spec)
+            raise
+        return self.measured(result, spec)
+
+    def measured(self, result: Result, spec: ExperimentSpec) -> Result:
+        """`result` with the metrics that `measure` asks for: those of the last step of the
+        reference, and of each step where there are several ("2/rise_time")."""
+        m = spec.measure
+        if m is None or len(result.time) < 3:
+            return result
+        arrays = (result.time, result[m.reference], result[m.response], result[m.control])
+        found = segment_metrics(*arrays, band=m.band, window=m.window)
+        if not found:
+            return result
+        metrics = found[-1].as_dict()
+        if len(found) > 1:
+            for i, segment in enumerate(found, 1):
+                metrics |= {f"{i}/{name}": value for name, value in segment.as_dict().items()}
+        return result.with_metrics(metrics)
+
+
+def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:
+    try:
+        return ExperimentSpec.model_validate(data)
+    except ValidationError as fault:
+        where = f"{path}" + (f" ({place})" if place else "")
+        raise ExperimentError("\n".join(describe(where, fault))) from fault
+
+
+def _merge(base: Table, changes: Table) -> Table:
+    merged = copy.deepcopy(base)
+    for key, value in changes.items():
+        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = _merge(merged[key], value) if both else copy.deepcopy(value)
+    return merged
+
+
+def _set(data: Table, key: str, value: Any) -> None:
+    *tables, last = key.split(".")
+    for part in tables:
+        data = data.setdefault(part, {})
+        if not isinstance(data, dict):
+            raise ExperimentError(f"setting {key!r}: {part!r} is a value, not a table")
+    data[last] = value

@@ -1,0 +1,143 @@
+"""The form of an experiment file (TOML). Unknown keys are faults, each named with its place.
+
+A file describes one system, and `variants` that differ from it, to be compared on identical
+disturbances. Components are told apart by the key that says what they are: `fmu`, `controller`,
+`signal` or `sensitivity`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+
+
+KINDS = ("fmu", "controller", "signal", "sensitivity")
+
+
+class Strict(BaseModel):
+    """A table that refuses unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class FmuSpec(Strict):
+    """An FMU: `fmu` is a plant's name or a path, relative to the experiment file."""
+
+    fmu: str
+    step: float | None = None
+    tolerance: float | None = None
+    start_values: dict[str, Any] = Field(default_factory=dict)
+
+
+class ControllerSpec(Strict):
+    """A controller or estimator by name or "package.module:Class"."""
+
+    controller: str
+    sample_time: float | None = None
+    phase: float = 0.0
+    outputs: tuple[str, ...] = ("u",)
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+
+class SignalSpec(Strict):
+    """A signal by kind; `step` is the interval at which it is sampled."""
+
+    signal: str
+    step: float | None = None
+    parameters: dict[str, Any] = Field(default_factory=dict)
+
+
+class SensitivitySpec(Strict):
+    """d `sensitivity` one sample later / d `to` now, both "fmu.variable"."""
+
+    sensitivity: str
+    to: str
+    sample_time: float | None = None
+
+
+def _kind(table: Any) -> str | None:
+    keys = table if isinstance(table, dict) else vars(table)
+    found = [kind for kind in KINDS if kind in keys]
+    return found[0] if len(found) == 1 else None
+
+
+ComponentSpec = Annotated[
+    Annotated[FmuSpec, Tag("fmu")]
+    | Annotated[ControllerSpec, Tag("controller")]
+    | Annotated[SignalSpec, Tag("signal")]
+    | Annotated[SensitivitySpec, Tag("sensitivity")],
+    Discriminator(
+        _kind,
+        custom_error_type="component_kind",
+        custom_error_message="must have exactly one of the keys fmu, controller, signal, sensitivity",
+    ),
+]
+
+
+class ConnectionSpec(Strict):
+    """A wire; `imperfections` are tables with a `kind` and its parameters."""
+
+    source: str = Field(alias="from")
+    target: str = Field(alias="to")
+    delay: float = 0.0
+    imperfections: tuple[dict[str, Any], ...] = ()
+
+
+class VariantSpec(BaseModel):
+    """What a variant changes: any part of the file, merged table by table."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    label: str | None = None
+
+
+class MeasureSpec(Strict):
+    """The signals that metrics are computed of; `band` and `window` are shares (0 to 1)."""
+
+    reference: str
+    response: str
+    control: str
+    band: float = 0.02
+    window: float = 0.1
+
+
+class PlotSpec(Strict):
+    """One picture: `signals` over time, of all variants, in one panel a signal."""
+
+    signals: tuple[str, ...]
+    title: str = ""
+    variants: tuple[str, ...] = ()
+
+
+class StudySpec(Strict):
+    """Repetition over seeds: `seeds` runs from the experiment's seed on; differences of
+    `metrics` are taken against the variant `baseline`."""
+
+    seeds: int = Field(ge=2)
+    baseline: str
+    metrics: tuple[str, ...] = ("steady_state_rms", "iae", "actuator_travel")
+    confidence: float = Field(default=0.95, gt=0.0, lt=1.0)
+
+
+class ExperimentSpec(Strict):
+    """A whole experiment file."""
+
+    title: str
+    description: str = ""
+    stop_time: float
+    start_time: float = 0.0
+    step: float = 0.01
+    record_step: float | None = None
+    record: tuple[str, ...] = ("*",)
+    algorithm: Literal["jacobi", "gauss-seidel"] = "jacobi"
+    seed: int = Field(default=0, ge=0)
+    fmi_version: Literal[2, 3] = 3
+    portable: bool = False
+    components: dict[str, ComponentSpec] = Field(min_length=1)
+    connections: tuple[ConnectionSpec, ...] = ()
+    variants: dict[str, VariantSpec] = Field(default_factory=dict)
+    measure: MeasureSpec | None = None
+    plots: dict[str, PlotSpec] = Field(default_factory=dict)
+    study: StudySpec | None = None
+
+

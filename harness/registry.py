@@ -1,0 +1,88 @@
+"""Plants, controllers and experiments by name, found through entry points.
+
+Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
+`fmu_harness.experiments` plugs in; the harness imports none of them by itself.
+"""
+
+from __future__ import annotations
+
+import importlib
+from importlib.metadata import EntryPoint, entry_points
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Protocol
+
+from harness.errors import UsageError, nearest
+
+PLANTS = "fmu_harness.plants"
+CONTROLLERS = "fmu_harness.controllers"
+EXPERIMENTS = "fmu_harness.experiments"
+
+
+class Plant(Protocol):
+    """A plant that can make its own FMU."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def description(self) -> str:
+        """One line for people."""
+
+    def fmu(self, fmi_version: int = 3, *, portable: bool = False) -> Path:
+        """The path of its FMU, built when it is not there yet."""
+
+
+def names(group: str) -> list[str]:
+    """The registered names of a group, sorted."""
+    return sorted(entry_points(group=group).names)
+
+
+def plant(name: str) -> Plant:
+    """The plant registered under `name`; raises `UsageError` with the nearest names."""
+    loaded: Plant = _load(PLANTS, name, "plant")
+    return loaded
+
+
+def controller(name: str) -> Any:
+    """The controller class registered under `name`, or that of "package.module:Class"."""
+    return _load(CONTROLLERS, name, "controller")
+
+
+def experiments() -> dict[str, Path]:
+    """All experiment files by name, such as "ahn2009/figure_7"."""
+    found = {}
+    for entry in entry_points(group=EXPERIMENTS):
+        root = Path(str(files(entry.value)))
+        for path in sorted(root.glob("*/*.toml")):
+            found[f"{path.parent.name}/{path.stem}"] = path
+    return found
+
+
+def experiment(name: str) -> Path:
+    """The path of an experiment given by name or as a file; raises `UsageError`."""
+    path = Path(name)
+    if path.suffix == ".toml" or path.is_file():
+        if path.is_file():
+            return path
+        raise UsageError(f"experiment file {name} does not exist")
+    known = experiments()
+    if name not in known:
+        raise UsageError(f"no experiment {name!r}; {nearest(name, known)}")
+    return known[name]
+
+
+def _load(group: str, name: str, what: str) -> Any:
+    known: dict[str, EntryPoint] = {entry.name: entry for entry in entry_points(group=group)}
+    if name in known:
+        return known[name].load()
+    if ":" not in name:
+        raise UsageError(
+            f"no {what} {name!r}; {nearest(name, known)}, or 'package.module:object' for your own"
+        )
+    module, _, attribute = name.partition(":")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except (ImportError, AttributeError) as fault:
+        raise UsageError(f"{what} {name!r} cannot be imported: {fault}") from fault
