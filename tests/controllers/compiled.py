@@ -14,6 +14,9 @@ from numba import types as nb
 from controllers.block import Array, Block
 
 
+_REBUILT: dict[Any, Any] = {}  # njit twins of the plain functions, shared by all blocks
+
+
 def rebuild(function: Callable[..., Any], done: dict[Any, Any]) -> Any:
     """`function` and every plain Python function it names, as numba njit functions."""
     if function in done:
@@ -30,7 +33,7 @@ def rebuild(function: Callable[..., Any], done: dict[Any, Any]) -> Any:
 
 def compile_block(block: Block) -> tuple[Any, Callable[[Array, Array, Array, Array], int]]:
     """The C function (kept alive by the caller) and a call that takes arrays."""
-    kernel = rebuild(block.step, {})
+    kernel = rebuild(block.step, _REBUILT)
     sizes = (len(block.parameters), len(block.state), len(block.inputs), len(block.outputs))
     n_p, n_x, n_u, n_y = sizes
     pointer = nb.CPointer(nb.float64)
