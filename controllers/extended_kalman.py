@@ -12,7 +12,7 @@ measurements ψ acts on each component of the whitened innovation. (31) is evalu
     P = (I − αKH)·P⁻·(I − αKH)ᵀ + α²·K·R·Kᵀ,   α = 1 − √(1 − E),
 
 which equals it exactly (2α − α² = E) and is a sum of squares, so P stays symmetric (to the bit)
-and positive semidefinite (to rounding) for every 0 < E ≤ 1; E = 1 is Joseph's form.
+and positive semidefinite (to the rounding of P⁻) for every 0 < E ≤ 1; E = 1 is Joseph's form.
 
 The kernels `predict`, `add_noise` and `update` work on flat row-major arrays without allocating
 and are what steps call; `predicted` and `updated` are the same for numpy arrays, offline.

@@ -50,7 +50,8 @@ class TunedFuzzyPID(FuzzyPIDLaw):
 
     filter              "ekf", or "robust_ekf" (p-point score)
     p                   mass p of (18) of the robust filter
-    r                   R, variance of the measured output about its target [measured_unit²]
+    r                   R, variance of the measured output about its target [measured_unit²];
+                        left out, (error_range/50)²
     q_centre, q_half_width, q_weight
                         Q per sample of centres, half-widths, weights [1]; one number, or one
                         each for P, I and D; 0 keeps those components as they are
@@ -66,16 +67,16 @@ class TunedFuzzyPID(FuzzyPIDLaw):
     """
 
     sensitivity_bounds: tuple[float, float]
-    r: float
+    r: float | None = None
     filter: str = "robust_ekf"
     p: float = 0.05
-    q_centre: Noise = 1e-6
-    q_half_width: Noise = 1e-6
-    q_weight: Noise = 1e-5
+    q_centre: Noise = 1e-5
+    q_half_width: Noise = 1e-5
+    q_weight: Noise = 1e-4
     vector: str = "reduced"
     sensitivity: str = "quotient"
     smallest_du: float = 1e-3
-    alignment: str = "paper"
+    alignment: str = "causal"
     tune_when_saturated: bool = False
     half_width_floor: float = 0.02
     centre_gap: float = 0.02
@@ -87,7 +88,7 @@ class TunedFuzzyPID(FuzzyPIDLaw):
         require_choice("TunedFuzzyPID.vector", self.vector, ("reduced", "full"))
         require_choice("TunedFuzzyPID.sensitivity", self.sensitivity, ("quotient", "input"))
         require_choice("TunedFuzzyPID.alignment", self.alignment, ("paper", "causal"))
-        require_positive("TunedFuzzyPID.r", self.r)
+        require_positive("TunedFuzzyPID.r", self.R)
         require_not_negative("TunedFuzzyPID.smallest_du", self.smallest_du)
         require_positive("TunedFuzzyPID.half_width_floor", self.half_width_floor)
         require_positive("TunedFuzzyPID.centre_gap", self.centre_gap)
@@ -108,6 +109,11 @@ class TunedFuzzyPID(FuzzyPIDLaw):
             for value in _three(name, getattr(self, name)):
                 require_not_negative(f"TunedFuzzyPID.{name}", value)
 
+    @property
+    def R(self) -> float:
+        """Measurement noise variance in force [measured_unit²]."""
+        return (self.error_range / 50.0) ** 2 if self.r is None else self.r
+
     def process_noise(self) -> Array:
         """Diagonals of Q (37), (38) of p, i, d one after the other."""
         triangles, weights = sum(self.classes), self.system("p").n_weights
@@ -123,7 +129,7 @@ class TunedFuzzyPID(FuzzyPIDLaw):
         """Parameters of the tuner in the order of the T_ constants."""
         low, high = self.sensitivity_bounds
         head = [
-            self.r,
+            self.R,
             float(self.vector == "reduced"),
             float(self.alignment == "causal"),
             float(self.sensitivity == "input"),

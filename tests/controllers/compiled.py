@@ -13,7 +13,6 @@ from numba import types as nb
 
 from controllers.block import Array, Block
 
-
 _REBUILT: dict[Any, Any] = {}  # njit twins of the plain functions, shared by all blocks
 
 
