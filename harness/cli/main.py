@@ -1,0 +1,57 @@
+"""`fmu-harness`: the command line, and the only place where faults become exit codes.
+
+0 done, 1 the run or check failed, 2 the command cannot be meant. A fault is printed as its
+sentence; a traceback would be a defect of the harness.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+from click.exceptions import ClickException
+from rich.console import Console
+
+from harness.cli import build, info, listing, run, timing
+from harness.errors import ExperimentError, HarnessError, UsageError
+
+app = typer.Typer(
+    name="fmu-harness",
+    help="Closes the loop between plant FMUs and digital controllers.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.command("list")(listing.list_command)
+app.command("run")(run.run_command)
+app.command("build")(build.build_command)
+app.command("info")(info.info_command)
+app.command("timing")(timing.timing_command)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit."""
+    sys.exit(run_command_line(arguments))
+
+
+def run_command_line(arguments: list[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    try:
+        code = app(args=arguments, standalone_mode=False)
+    except ClickException as fault:
+        fault.show()
+        return 2
+    except (UsageError, ExperimentError) as fault:
+        console.print(f"error: {fault}", markup=False)
+        return 2
+    except HarnessError as fault:
+        console.print(f"error: {fault}", markup=False)
+        return 1
+    except KeyboardInterrupt:
+        console.print("interrupted", markup=False)
+        return 1
+    except BrokenPipeError:
+        return 1
+    return code if isinstance(code, int) else 0

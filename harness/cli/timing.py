@@ -1,0 +1,69 @@
+"""`fmu-harness timing`: the schedule of one cycle, and the measured delays of the loop."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from harness import registry
+from harness.cli.notices import notices
+from harness.cli.values import settings
+from harness.clock import show
+from harness.execution.plan import Plan
+from harness.execution.timing import Arrival, measure_delays, schedule
+from harness.system.graph import Endpoint
+
+_SHOWN = 60  # lines of the schedule
+
+
+def timing_command(
+    experiment: Annotated[str, typer.Argument(help="Name (see `list`) or path of a TOML file")],
+    variant: Annotated[str | None, typer.Option(help="Variant; the first when absent")] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
+    ] = None,
+) -> None:
+    """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
+    from harness.execution.run import opened, plan_system
+    from harness.experiment.experiment import Experiment
+
+    console = Console(highlight=False, soft_wrap=True)
+    with notices():
+        loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
+        chosen = variant or loaded.variants[0]
+        system = loaded.bench(chosen).system()
+        with opened(system) as fmus:
+            plan = plan_system(system, fmus)
+            delays = measure_delays(system, fmus)
+    console.print(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
+    _print_schedule(console, plan)
+    for source, arrivals in delays.items():
+        console.print(_delays(source, arrivals))
+
+
+def _print_schedule(console: Console, plan: Plan) -> None:
+    lines = list(schedule(plan))
+    for instant, group in groupby(lines[:_SHOWN], key=lambda line: line[0]):
+        for i, (_, text) in enumerate(group):
+            console.print(f"  {instant if i == 0 else '':>10}  {text}", markup=False)
+    if len(lines) > _SHOWN:
+        console.print(f"  … {len(lines) - _SHOWN} more actions in the cycle")
+
+
+def _delays(source: Endpoint, arrivals: tuple[Arrival, ...]) -> Table:
+    table = Table(title=f"a pulse in {source}, as measured", title_justify="left")
+    for title in ("first seen in", "at", "delay", "in samples"):
+        table.add_column(title, justify="left" if title == "first seen in" else "right")
+    for arrival in arrivals:
+        if arrival.arrived_ns is None or arrival.samples is None:
+            table.add_row(str(arrival.port), "never", "–", "–")
+        else:
+            delay = show(arrival.arrived_ns - arrival.computed_ns) if arrival.samples else "0"
+            table.add_row(
+                str(arrival.port), show(arrival.arrived_ns), delay, f"{arrival.samples:g}"
+            )
+    return table

@@ -1,0 +1,100 @@
+"""What people look at after a run: a table of metrics and pictures, written beside the rows."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from rich.table import Table
+
+from harness.errors import RecordingError
+from harness.experiment.experiment import Experiment
+from harness.results.plots import gains_plot, overview_plot, save_figures, signals_plot
+from harness.results.result import Result
+from harness.results.step_response import metric_units
+
+Results = Mapping[str, Result]
+
+SHOWN = (
+    "delay_time", "rise_time", "overshoot", "settling_time", "steady_state_mean",
+    "steady_state_rms", "iae", "actuator_travel",
+)  # fmt: skip
+"""The metrics of the table on the terminal; all of them are in `metrics.csv`."""
+
+
+def metrics_table(experiment: Experiment, results: Results) -> Table:
+    """One row a variant; "–" where a figure does not exist, as for a loop that never settles."""
+    table = Table(title="metrics (of the last step of the reference)", title_justify="left")
+    table.add_column("variant")
+    units = _units(experiment, results)
+    for name in SHOWN:
+        unit = f" ({units[name]})" if units.get(name) else ""
+        table.add_column(name.replace("_", " ") + unit, justify="right")
+    for variant, result in results.items():
+        cells = [show(result.metrics.get(name)) for name in SHOWN]
+        table.add_row(experiment.label(variant), *cells)
+    return table
+
+
+def show(value: float | None) -> str:
+    """A figure in four digits, or "–"."""
+    return "–" if value is None else f"{value:.4g}"
+
+
+def write_report(experiment: Experiment, results: Results, folder: Path) -> list[Path]:
+    """Pictures and `metrics.csv` in `folder`; returns what was written."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        written = save_figures(folder, figures(experiment, results))
+        written.append(_write_metrics(experiment, results, folder / "metrics.csv"))
+    except OSError as fault:
+        raise RecordingError(f"the report cannot be written to {folder}: {fault}") from fault
+    return written
+
+
+def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
+    """The overview of what is measured, and the pictures that the experiment asks for."""
+    results = {name: result for name, result in results.items() if len(result.time) > 1}
+    if not results:
+        return {}
+    labelled = {experiment.label(name): result for name, result in results.items()}
+    spec, title = experiment.spec, experiment.spec.title
+    drawn: dict[str, Figure] = {}
+    if spec.measure is not None:
+        m = spec.measure
+        drawn["response"] = overview_plot(
+            labelled, m.response, m.reference, m.control, title=title
+        )
+    elif not spec.plots:
+        for name, result in labelled.items():
+            drawn[name] = signals_plot(result, result.names, title=f"{title}: {name}")
+    for name, plot in spec.plots.items():
+        chosen = {
+            experiment.label(v): results[v] for v in (plot.variants or results) if v in results
+        }
+        signals = [s for s in plot.signals if any(s in result for result in chosen.values())]
+        if signals:
+            drawn[name] = gains_plot(chosen, signals, title=plot.title or title)
+    return drawn
+
+
+def _units(experiment: Experiment, results: Results) -> dict[str, str]:
+    m = experiment.spec.measure
+    first = next(iter(results.values()), None)
+    if m is None or first is None:
+        return {}
+    return metric_units(first.unit(m.response), first.unit(m.control))
+
+
+def _write_metrics(experiment: Experiment, results: Results, path: Path) -> Path:
+    units = _units(experiment, results)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["variant", "metric", "value", "unit"])
+        for variant, result in results.items():
+            for name, value in result.metrics.items():
+                text = "" if value is None else repr(value)
+                writer.writerow([variant, name, text, units.get(name.rpartition("/")[2], "")])
+    return path

@@ -1,0 +1,159 @@
+"""A study: every variant over many seeds, differences paired by seed, with intervals.
+
+All variants meet the same noise under the same seed, so differences are taken seed by seed. A
+metric that does not exist in a run (a loop that never settles) leaves its pair out; how many were
+left out is reported, and so is the share of runs in which a variant loses the loop.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from rich.table import Table
+
+from harness.errors import ExperimentError, HarnessError, RecordingError
+from harness.experiment.experiment import Experiment
+from harness.results.comparison import PairedDifference, Share, paired_difference, share
+
+Metrics = Mapping[str, float | None]
+LOST = "lost_loop"
+
+
+@dataclass(frozen=True)
+class Study:
+    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`."""
+
+    experiment: Experiment
+    seeds: tuple[int, ...]
+    runs: Mapping[str, tuple[Metrics, ...]]
+
+    def values(self, variant: str, metric: str) -> list[float | None]:
+        """A metric of one variant over the seeds."""
+        return [metrics.get(metric) for metrics in self.runs[variant]]
+
+    def difference(self, variant: str, metric: str) -> PairedDifference:
+        """variant − baseline, paired by seed, at the study's confidence."""
+        spec = self.experiment.spec.study
+        assert spec is not None
+        first, second = self.values(variant, metric), self.values(spec.baseline, metric)
+        return paired_difference(first, second, confidence=spec.confidence)
+
+    def lost(self, variant: str) -> Share:
+        """The share of runs in which the variant loses the loop."""
+        spec = self.experiment.spec.study
+        assert spec is not None
+        happened = [bool(metrics.get(LOST, 1.0)) for metrics in self.runs[variant]]
+        return share(happened, confidence=spec.confidence)
+
+    def frame(self) -> pd.DataFrame:
+        """One row a run: variant, seed and all metrics."""
+        return pd.DataFrame(
+            [
+                {"variant": variant, "seed": seed, **metrics}
+                for variant, runs in self.runs.items()
+                for seed, metrics in zip(self.seeds, runs, strict=True)
+            ]
+        )
+
+    def write(self, folder: Path) -> Path:
+        """Write `study.csv` into `folder` and return its path."""
+        path = folder / "study.csv"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self.frame().to_csv(path, index=False)
+        except OSError as fault:
+            raise RecordingError(f"{path} cannot be written: {fault}") from fault
+        return path
+
+
+def run_study(
+    experiment: Experiment,
+    *,
+    jobs: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> Study:
+    """Run all variants over the seeds of `[study]`, in `jobs` processes (0: one a core)."""
+    spec = experiment.spec.study
+    if spec is None:
+        raise ExperimentError(f"{experiment.path} has no table [study]")
+    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
+    tasks = [(variant, seed) for seed in seeds for variant in experiment.variants]
+    found: dict[tuple[str, int], Metrics] = {}
+    for done, (key, metrics) in enumerate(_run_all(experiment, tasks, jobs), 1):
+        found[key] = metrics
+        if progress is not None:
+            progress(done / len(tasks))
+    runs = {v: tuple(found[v, seed] for seed in seeds) for v in experiment.variants}
+    return Study(experiment, seeds, runs)
+
+
+def _run_all(
+    experiment: Experiment, tasks: list[tuple[str, int]], jobs: int
+) -> Iterator[tuple[tuple[str, int], Metrics]]:
+    variant, seed = tasks[0]
+    yield tasks[0], _run_one(experiment, variant, seed)  # builds and compiles once, for all
+    workers = min(jobs or os.cpu_count() or 1, len(tasks))
+    if workers == 1:
+        for task in tasks[1:]:
+            yield task, _run_one(experiment, *task)
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        futures = {pool.submit(_run_one, experiment, *task): task for task in tasks[1:]}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+
+
+def _run_one(experiment: Experiment, variant: str, seed: int) -> Metrics:
+    try:
+        return dict(experiment.run(variant, seed=seed).metrics)
+    except HarnessError as fault:
+        if fault.result is None:
+            raise
+        return {LOST: 1.0}  # a run that ends early is a lost loop without further metrics
+
+
+def study_tables(experiment: Experiment, study: Study) -> list[Table]:
+    """Means, paired differences to the baseline with intervals, and shares of lost loops."""
+    spec = experiment.spec.study
+    assert spec is not None
+    percent = f"{100 * spec.confidence:g} %"
+    means = Table(title=f"median over {len(study.seeds)} seeds", title_justify="left")
+    title = f"difference to {experiment.label(spec.baseline)}, paired, {percent} interval"
+    differences = Table(title=title, title_justify="left")
+    for table in (means, differences):
+        table.add_column("variant")
+        for metric in spec.metrics:
+            table.add_column(metric.replace("_", " "), justify="right")
+    means.add_column(f"loop lost ({percent} interval)", justify="right")
+    for variant in experiment.variants:
+        lost = study.lost(variant)
+        means.add_row(
+            experiment.label(variant),
+            *(_median(study.values(variant, metric)) for metric in spec.metrics),
+            f"{lost.share:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
+        )
+        if variant != spec.baseline:
+            cells = [_difference(study, variant, metric) for metric in spec.metrics]
+            differences.add_row(experiment.label(variant), *cells)
+    return [means, differences]
+
+
+def _median(values: list[float | None]) -> str:
+    numbers = [value for value in values if value is not None and np.isfinite(value)]
+    missing = f" ({len(values) - len(numbers)} without)" if len(numbers) < len(values) else ""
+    return (f"{np.median(numbers):.4g}" if numbers else "–") + missing
+
+
+def _difference(study: Study, variant: str, metric: str) -> str:
+    try:
+        d = study.difference(variant, metric)
+    except HarnessError:
+        return "–"
+    return f"{d.mean:+.3g} [{d.low:+.3g}, {d.high:+.3g}]"
