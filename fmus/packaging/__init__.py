@@ -1,0 +1,1 @@
+"""The only place that makes FMUs: a plant (`fmus.plant`) goes in, an `.fmu` comes out."""
