@@ -111,12 +111,20 @@ def rate_unit(unit: str) -> str:
 
 
 def model_description(
-    interface: Interface, structure: ModelStructure, fmi_version: int, token: str
+    interface: Interface,
+    structure: ModelStructure,
+    fmi_version: int,
+    token: str,
+    *,
+    portable: bool = False,
 ) -> bytes:
-    """The file's bytes, UTF-8, indented."""
+    """The file's bytes, UTF-8, indented; `portable` declares what pythonfmu's library can do."""
     root = _root(interface.plant, fmi_version, token)
     entries = variable_entries(interface)
-    _interface_types(root, interface.plant.name, fmi_version)
+    if portable:
+        _portable_interface(root, interface.plant.name)
+    else:
+        _interface_types(root, interface.plant.name, fmi_version)
     _units(root, entries, interface.plant.display_units)
     categories = ET.SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
@@ -179,6 +187,18 @@ def _interface_types(root: ET.Element, identifier: str, fmi_version: int) -> Non
     ):
         files = ET.SubElement(ET.SubElement(root, tag, attributes), "SourceFiles")
         ET.SubElement(files, "File", name=MAIN_SOURCE)
+
+
+def _portable_interface(root: ET.Element, identifier: str) -> None:
+    attributes = {
+        "modelIdentifier": identifier,
+        "needsExecutionTool": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    ET.SubElement(root, "CoSimulation", attributes)
 
 
 def _experiment(plant: Plant) -> Attributes:

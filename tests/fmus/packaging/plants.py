@@ -97,20 +97,21 @@ finite_escape = Plant(
 
 
 def _hydraulic(x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Result:
-    """A servo pump on a cylinder against a spring: pressures stiff against the load."""
+    """A servo pump fills the bore side of a cylinder that pushes a spring; stiff."""
     volume_a = p.dead_volume + p.area_a * x.position
     volume_b = p.dead_volume + p.area_b * (p.stroke - x.position)
     flow = p.displacement * x.speed / (2 * ca.pi)
-    leak = p.leakage * (x.pressure_a - x.pressure_b)
     friction = p.friction * ca.tanh(x.velocity / 0.01) + p.viscous * x.velocity
     force = p.spring * x.position
     drive = p.area_a * x.pressure_a - p.area_b * x.pressure_b
+    inflow_a = flow - p.leakage * x.pressure_a - p.area_a * x.velocity
+    inflow_b = p.area_b * x.velocity - p.conductance * x.pressure_b
     return (
         {
             "position": x.velocity,
             "velocity": (drive - friction - force) / p.mass,
-            "pressure_a": p.bulk / volume_a * (flow - leak - p.area_a * x.velocity),
-            "pressure_b": p.bulk / volume_b * (leak - flow + p.area_b * x.velocity),
+            "pressure_a": p.bulk / volume_a * inflow_a,
+            "pressure_b": p.bulk / volume_b * inflow_b,
             "speed": (u.command - x.speed) / p.lag,
         },
         {"force": force, "flow": flow, "pressure_a": x.pressure_a},
@@ -123,8 +124,8 @@ hydraulic = Plant(
     states=(
         State("position", "m", "Rod", 0.02, 0.1),
         State("velocity", "m/s", "Rod speed", 0.0, 0.1),
-        State("pressure_a", "Pa", "Bore side", 4.5e6, 1e6),
-        State("pressure_b", "Pa", "Rod side", 1e6, 1e6),
+        State("pressure_a", "Pa", "Bore side", 3.5e6, 1e6),
+        State("pressure_b", "Pa", "Rod side", 1e5, 1e6),
         State("speed", "rad/s", "Pump speed", 0.0, 100.0),
     ),
     inputs=(Variable("command", "rad/s", "Pump speed command", 0.0, 100.0),),
@@ -141,6 +142,7 @@ hydraulic = Plant(
         Parameter("bulk", "Pa", "Bulk modulus", 1.5e9, "test", 1e7),
         Parameter("displacement", "m3", "Pump displacement a turn", 15e-6, "test", 0.0),
         Parameter("leakage", "m3/(s.Pa)", "Leakage", 2e-12, "test", 0.0),
+        Parameter("conductance", "m3/(s.Pa)", "Return line", 1e-9, "test", 0.0),
         Parameter("spring", "N/m", "Spring", 519e3, "test", 0.0),
         Parameter("friction", "N", "Coulomb friction", 200.0, "test", 0.0),
         Parameter("viscous", "N.s/m", "Viscous friction", 2000.0, "test", 0.0),
