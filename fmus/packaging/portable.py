@@ -26,6 +26,43 @@ from fmus.plant import Plant
 
 PARTS = Path(__file__).parent / "portable_parts"
 _UNKNOWN_TOKEN = "{00000000-0000-0000-0000-000000000000}"
+_SCRIPT = '''"""{name}: the module that pythonfmu loads."""
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from {package}.equations import MODEL
+from {package}.instance import Instance, StepFailed
+
+
+class {name}(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self._instance = Instance(MODEL)
+
+    def setup_experiment(self, start_time, stop_time, tolerance):
+        self._instance.setup_experiment(start_time, stop_time, tolerance)
+
+    def do_step(self, current_time, step_size):
+        try:
+            self._instance.do_step(current_time, step_size)
+        except StepFailed as failure:
+            self.log(str(failure), Fmi2Status.error)
+            return False
+        return True
+
+    def get_real(self, vrs):
+        return self._instance.get_real(vrs)
+
+    def set_real(self, vrs, values):
+        self._instance.set_real(vrs, values)
+
+    def _get_fmu_state(self):
+        return self._instance.get_state()
+
+    def _set_fmu_state(self, state):
+        self._instance.set_state(state)
+'''
 
 
 @dataclass(frozen=True)
@@ -63,12 +100,7 @@ def _resources(expressions: PlantExpressions, token: str) -> dict[str, bytes]:
     name = expressions.interface.plant.name
     module = f"{name}_{token.strip('{}').replace('-', '')}"
     package = f"{module}_parts"
-    script = (
-        f'"""{name}: the module that pythonfmu loads."""\n\n'
-        f"from {package}.equations import MODEL\n"
-        f"from {package}.slave import PlantSlave\n\n\n"
-        f"class {name}(PlantSlave):\n    model = MODEL\n"
-    )
+    script = _SCRIPT.format(name=name, package=package)
     parts = {part.name: part.read_bytes() for part in sorted(PARTS.glob("*.py"))}
     parts["equations.py"] = equations_source(expressions).encode()
     return {
@@ -129,9 +161,9 @@ def _function(function: Any, name: str, results: dict[str, int]) -> str:
 
 def _pythonfmu_files(name: str) -> dict[str, bytes]:
     """pythonfmu's Python files, its libraries under the FMU's name, and its licence."""
-    import pythonfmu
-
-    root = Path(pythonfmu.__file__).parent
+    # Not `import pythonfmu`: a portable FMU loaded into this process may have put its own first.
+    wheel = distribution("pythonfmu")
+    root = Path(str(wheel.locate_file("pythonfmu")))
     files = {f"resources/pythonfmu/{path.name}": path for path in root.glob("*.py")}
     binaries = root / "resources" / "binaries"
     for library in binaries.rglob("*"):
@@ -141,7 +173,7 @@ def _pythonfmu_files(name: str) -> dict[str, bytes]:
         raise PackagingError(
             f"The installed pythonfmu ({root}) brings no libraries; install its wheel from PyPI."
         )
-    for path in distribution("pythonfmu").files or ():
+    for path in wheel.files or ():
         if path.name.upper().startswith("LICENSE"):
             files["documentation/licenses/pythonfmu.txt"] = Path(str(path.locate()))
     return {place: path.read_bytes() for place, path in files.items()}

@@ -1,17 +1,16 @@
-"""The pythonfmu slave of a portable FMU: value references, state, stepping.
+"""One instance of a portable FMU: value references, state, stepping.
 
 Value references are those of the native FMU: time, states, derivatives, inputs, outputs,
-parameters. The XML is not written by pythonfmu, so no variables are registered with it.
+parameters. The module that pythonfmu loads delegates to this class and does not inherit from it:
+pythonfmu's library drops a reference too many to the bases of that class each time the FMU is
+loaded, which ends in a crash for a base that outlives the load.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, ClassVar
-
-from pythonfmu import Fmi2Slave
-from pythonfmu.enums import Fmi2Status
+from typing import Any
 
 from . import rodas4
 from .model import Model
@@ -31,15 +30,16 @@ class _Values:
     p: list[float]
 
 
-class PlantSlave(Fmi2Slave):  # type: ignore[misc]
-    """A plant stepped by RODAS4; subclasses bring the `model`."""
+class StepFailed(Exception):
+    """A step failed; the values are those before it. The message is for the log."""
 
-    model: ClassVar[Model]
 
-    def __init__(self, **kwargs: Any) -> None:
+class Instance:
+    """A plant stepped by RODAS4, with the values of one instance."""
+
+    def __init__(self, model: Model) -> None:
         """Start values throughout."""
-        super().__init__(**kwargs)
-        model = self.model
+        self._model = model
         self._values = _Values(
             0.0, _TOLERANCE, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
         )
@@ -52,9 +52,9 @@ class PlantSlave(Fmi2Slave):  # type: ignore[misc]
         if tolerance:
             self._values.relative_tolerance = tolerance
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
-        """Step; a failure is logged, leaves the values as they were, and returns False."""
-        values, model = self._values, self.model
+    def do_step(self, current_time: float, step_size: float) -> None:
+        """Step, or raise StepFailed and keep the values as they were."""
+        values, model = self._values, self._model
         problem = rodas4.Problem(
             lambda x: model.derivatives(x, values.u, values.p),
             lambda x: model.linearise(x, values.u, values.p),
@@ -68,18 +68,15 @@ class PlantSlave(Fmi2Slave):  # type: ignore[misc]
                     problem, step_size, values.x, values.substep
                 )
             except rodas4.StepFailure as failure:
-                self.log(
+                raise StepFailed(
                     f"The step from {current_time!r} s over {step_size!r} s failed {failure}. "
-                    "The values are those before the step.",
-                    Fmi2Status.error,
-                )
-                return False
+                    "The values are those before the step."
+                ) from failure
         values.time = current_time + step_size
-        return True
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values by value reference."""
-        values, model = self._values, self.model
+        values, model = self._values, self._model
         table = [values.time, *values.x]
         table += model.derivatives(values.x, values.u, values.p)
         table += [*values.u, *model.outputs(values.x, values.u, values.p), *values.p]
@@ -93,7 +90,7 @@ class PlantSlave(Fmi2Slave):  # type: ignore[misc]
             target[index] = value
 
     def _place(self, reference: int, value: float) -> tuple[list[float], int]:
-        model, stored = self.model, self._values
+        model, stored = self._model, self._values
         n_x, n_u, n_y = len(stored.x), len(stored.u), model.n_outputs
         if not isfinite(value):
             raise ValueError(f"Value reference {reference} cannot be set to {value}.")
@@ -110,10 +107,12 @@ class PlantSlave(Fmi2Slave):  # type: ignore[misc]
             raise ValueError(f"Value reference {reference}: {value} is not in [{low}, {high}].")
         return stored.p, index
 
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def get_state(self) -> dict[str, Any]:
+        """A copy of everything that a restored instance needs, ready for JSON."""
         values = self._values
         return {**vars(values), "x": [*values.x], "u": [*values.u], "p": [*values.p]}
 
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a copy from `get_state` over."""
         vectors = {name: [*state[name]] for name in ("x", "u", "p")}
         self._values = _Values(**{**state, **vectors})
