@@ -1,0 +1,257 @@
+#include "rodas4.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum { STAGES = 6 };
+
+static const double GAMMA = 0.25;
+
+/* The stages U_i solve (I/(h GAMMA) - J) U_i = f(x + sum_j A_ij U_j) + sum_j C_ij U_j / h.
+ * Stages 5 and 6 are reached by adding the stage before; U_6 is the error estimate. */
+static const double A[STAGES][STAGES - 1] = {
+    {0.0},
+    {0.1544000000000000e+01},
+    {0.9466785280815826e+00, 0.2557011698983284e+00},
+    {0.3314825187068521e+01, 0.2896124015972201e+01, 0.9986419139977817e+00},
+    {0.1221224509226641e+01, 0.6019134481288629e+01, 0.1253708332932087e+02,
+     -0.6878860361058950e+00},
+    {0.1221224509226641e+01, 0.6019134481288629e+01, 0.1253708332932087e+02,
+     -0.6878860361058950e+00, 1.0},
+};
+
+static const double C[STAGES][STAGES - 1] = {
+    {0.0},
+    {-0.5668800000000000e+01},
+    {-0.2430093356833875e+01, -0.2063599157091915e+00},
+    {-0.1073529058151375e+00, -0.9594562251023355e+01, -0.2047028614809616e+02},
+    {0.7496443313967647e+01, -0.1024680431464352e+02, -0.3399990352819905e+02,
+     0.1170890893206160e+02},
+    {0.8083246795921522e+01, -0.7981132988064893e+01, -0.3152159432874371e+02,
+     0.1631930543123136e+02, -0.6058818238834054e+01},
+};
+
+/* The pieces of the caller's work array. */
+typedef struct {
+    double *jacobian, *factors, *stages, *dx, *argument, *right;
+} Work;
+
+static Work divide_work(const Rodas4 *solver) {
+    const size_t n = solver->n;
+    Work w;
+    w.jacobian = solver->work;
+    w.factors = w.jacobian + n * n;
+    w.stages = w.factors + n * n;
+    w.dx = w.stages + STAGES * n;
+    w.argument = w.dx + n;
+    w.right = w.argument + n;
+    return w;
+}
+
+static bool all_finite(size_t n, const double *values, size_t *worst) {
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(values[i])) {
+            *worst = i;
+            return false;
+        }
+    }
+    return true;
+}
+
+/* LU factors of I/(h GAMMA) - J in place, rows weighed by 1/scale when a pivot is chosen (the
+ * rows carry the units of their states). False when the matrix is singular or not finite. */
+static bool factorise(const Rodas4 *solver, const Work *w, double h) {
+    const size_t n = solver->n;
+    double *lu = w->factors;
+    for (size_t i = 0; i < n * n; i++) {
+        lu[i] = -w->jacobian[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        lu[i * n + i] += 1.0 / (h * GAMMA);
+        w->right[i] = 1.0 / solver->scale[i]; /* free until the first stage */
+    }
+    for (size_t k = 0; k < n; k++) {
+        size_t pivot = k;
+        double largest = 0.0;
+        for (size_t i = k; i < n; i++) {
+            const double size = fabs(lu[i * n + k]) * w->right[i];
+            if (size > largest) {
+                largest = size;
+                pivot = i;
+            }
+        }
+        if (!(largest > 0.0 && isfinite(largest))) {
+            return false;
+        }
+        solver->pivots[k] = pivot;
+        if (pivot != k) {
+            const double weight = w->right[k];
+            w->right[k] = w->right[pivot];
+            w->right[pivot] = weight;
+            for (size_t j = 0; j < n; j++) {
+                const double entry = lu[k * n + j];
+                lu[k * n + j] = lu[pivot * n + j];
+                lu[pivot * n + j] = entry;
+            }
+        }
+        for (size_t i = k + 1; i < n; i++) {
+            const double factor = lu[i * n + k] / lu[k * n + k];
+            lu[i * n + k] = factor;
+            for (size_t j = k + 1; j < n; j++) {
+                lu[i * n + j] -= factor * lu[k * n + j];
+            }
+        }
+    }
+    return true;
+}
+
+/* Solve with the factors; b becomes the solution. Rows were swapped whole, so the permutation
+ * applies to b before the substitutions. */
+static void solve(const Rodas4 *solver, const double *lu, double *b) {
+    const size_t n = solver->n;
+    for (size_t k = 0; k < n; k++) {
+        const double entry = b[k];
+        b[k] = b[solver->pivots[k]];
+        b[solver->pivots[k]] = entry;
+    }
+    for (size_t i = 1; i < n; i++) {
+        for (size_t j = 0; j < i; j++) {
+            b[i] -= lu[i * n + j] * b[j];
+        }
+    }
+    for (size_t i = n; i-- > 0;) {
+        for (size_t j = i + 1; j < n; j++) {
+            b[i] -= lu[i * n + j] * b[j];
+        }
+        b[i] /= lu[i * n + i];
+    }
+}
+
+/* All stages of one substep from x, with w->dx = f(x) and the factors at hand. Afterwards
+ * w->argument is the new state and the last stage its error estimate. */
+static void compute_stages(const Rodas4 *solver, const Work *w, const double *x, double h) {
+    const size_t n = solver->n;
+    for (size_t s = 0; s < STAGES; s++) {
+        double *stage = w->stages + s * n;
+        for (size_t i = 0; i < n; i++) {
+            double sum = x[i];
+            for (size_t j = 0; j < s; j++) {
+                sum += A[s][j] * w->stages[j * n + i];
+            }
+            w->argument[i] = sum;
+        }
+        if (s == 0) {
+            memcpy(w->right, w->dx, n * sizeof(double));
+        } else {
+            solver->derivatives(solver->context, w->argument, w->right);
+        }
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0.0;
+            for (size_t j = 0; j < s; j++) {
+                sum += C[s][j] * w->stages[j * n + i];
+            }
+            stage[i] = w->right[i] + sum / h;
+        }
+        solve(solver, w->factors, stage);
+    }
+    for (size_t i = 0; i < n; i++) {
+        w->argument[i] += w->stages[(STAGES - 1) * n + i];
+    }
+}
+
+/* Root mean square of error over tolerance; at most 1 is a success. Infinity for NaN. */
+static double error_norm(const Rodas4 *solver, const Work *w, const double *x, size_t *worst) {
+    const size_t n = solver->n;
+    double sum = 0.0;
+    double largest = -1.0;
+    for (size_t i = 0; i < n; i++) {
+        const double size = fmax(fabs(x[i]), fabs(w->argument[i]));
+        const double weight = solver->relative_tolerance * (solver->scale[i] + size);
+        const double part = w->stages[(STAGES - 1) * n + i] / weight;
+        if (!isfinite(part) || !isfinite(w->argument[i])) {
+            *worst = i;
+            return INFINITY;
+        }
+        if (part * part > largest) {
+            largest = part * part;
+            *worst = i;
+        }
+        sum += part * part;
+    }
+    return sqrt(sum / (double)n);
+}
+
+/* A first substep from the speed of the states: one that moves them by a hundredth of scale. */
+static double first_substep(const Rodas4 *solver, const Work *w, const double *x, double duration) {
+    double speed = 0.0;
+    for (size_t i = 0; i < solver->n; i++) {
+        speed = fmax(speed, fabs(w->dx[i]) / (solver->scale[i] + fabs(x[i])));
+    }
+    return speed * duration > 0.01 ? 0.01 / speed : duration;
+}
+
+/* The substep that is really taken: the end is hit exactly, and no sliver is left before it. */
+static double fit_substep(double h, double remaining) {
+    if (h >= remaining) {
+        return remaining;
+    }
+    return 2.0 * h > remaining ? 0.5 * remaining : h;
+}
+
+static Rodas4Result rodas4_integrate(const Rodas4 *solver, double duration, double *x,
+                                     double *substep, Rodas4Report *report) {
+    const size_t n = solver->n;
+    const Work w = divide_work(solver);
+    const double smallest = 4.0 * DBL_EPSILON * duration;
+    double t = 0.0;
+    double h = *substep;
+    memset(report, 0, sizeof *report);
+    while (t < duration) {
+        report->reached = t;
+        solver->linearise(solver->context, x, w.dx, w.jacobian);
+        if (!all_finite(n, w.dx, &report->worst_state)) {
+            return RODAS4_NOT_FINITE;
+        }
+        if (!all_finite(n * n, w.jacobian, &report->worst_state)) {
+            report->worst_state /= n;
+            return RODAS4_NOT_FINITE;
+        }
+        if (!(h > 0.0)) {
+            h = first_substep(solver, &w, x, duration);
+        }
+        bool rejected = false;
+        for (;;) {
+            const double taken = fit_substep(h, duration - t);
+            double error = INFINITY;
+            if (report->accepted + report->rejected >= RODAS4_MAX_SUBSTEPS) {
+                return RODAS4_TOO_MANY_STEPS;
+            }
+            if (factorise(solver, &w, taken)) {
+                compute_stages(solver, &w, x, taken);
+                error = error_norm(solver, &w, x, &report->worst_state);
+            }
+            /* order of the embedded solution 3: error ~ h^4 */
+            const double growth = fmin(6.0, fmax(0.2, 0.9 / sqrt(sqrt(fmax(error, 1e-10)))));
+            if (error <= 1.0) {
+                report->accepted++;
+                memcpy(x, w.argument, n * sizeof(double));
+                t = taken < duration - t ? t + taken : duration;
+                const double next = taken * (rejected ? fmin(growth, 1.0) : growth);
+                /* a substep cut short by the end says nothing against the longer one */
+                h = taken < h ? fmax(h, next) : next;
+                break;
+            }
+            report->rejected++;
+            rejected = true;
+            h = taken * fmin(growth, 0.9);
+            if (h < smallest) {
+                return RODAS4_STEP_TOO_SMALL;
+            }
+        }
+    }
+    report->reached = duration;
+    *substep = h;
+    return RODAS4_DONE;
+}

@@ -1,0 +1,175 @@
+"""FMUs on disk: built on first use, found again by what they are made of.
+
+The key of an FMU is a hash of all generated files, the compiler and the platform; whatever
+changes makes another file. Files appear whole (written aside, then renamed), so two processes may
+build at once.
+
+Generating the files just to learn the key takes some milliseconds and an import of CasADi. A note
+beside the FMU spares that: it is filed under a hash of the plant's data and of every Python and C
+file of the package that the equations come from. Where equations could carry anything else
+(closures, defaults, other packages than their own), no note is used.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from dataclasses import fields
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+
+from fmus.packaging.compiler import Compiler, find_compiler, running_platform
+from fmus.packaging.errors import PackagingError, PortableFallback
+from fmus.plant import Plant
+
+_APPLICATION = "fmu-harness"
+
+
+def cache_directory() -> Path:
+    """Where FMUs are kept: `FMU_HARNESS_CACHE`, else the user's cache folder of the platform."""
+    if chosen := os.environ.get("FMU_HARNESS_CACHE"):
+        return Path(chosen)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData/Local") / _APPLICATION
+    if sys.platform == "darwin":
+        return Path.home() / "Library/Caches" / _APPLICATION
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / _APPLICATION
+
+
+def cached_fmu(plant: Plant, fmi_version: int = 3, *, portable: bool = False) -> Path:
+    """Path of the plant's FMU in the cache, built when it is not there yet.
+
+    Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one and a
+    `PortableFallback` warning says so. Raises PackagingError when the FMU cannot be built.
+    """
+    if fmi_version not in (2, 3):
+        raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
+    if portable and fmi_version != 2:
+        raise PackagingError(
+            f"Plant {plant.name!r}: the portable FMU exists for FMI 2 only, version "
+            f"{fmi_version} was asked for; choose fmi_version=2."
+        )
+    compiler = None if portable else find_compiler()
+    if compiler is None and not portable:
+        warnings.warn(_fallback_notice(plant), PortableFallback, stacklevel=2)
+    kind = f"native {fmi_version} {compiler.identity}" if compiler else "portable"
+    return _noted(plant, kind, lambda: _build(plant, fmi_version, compiler))
+
+
+def fmu_file(
+    plant: Plant, fmi_version: int, directory: str | Path, *, portable: bool = False
+) -> Path:
+    """Write `<name>.fmu` into `directory` (made if missing) and return its path."""
+    source = cached_fmu(plant, fmi_version, portable=portable)
+    target = Path(directory) / f"{plant.name}.fmu"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    data = source.read_bytes()
+    _write_atomically(target, lambda path: path.write_bytes(data))
+    return target
+
+
+def _fallback_notice(plant: Plant) -> str:
+    return (
+        f"No C compiler found: {plant.name!r} becomes a portable FMU, which needs Python where it "
+        "runs, steps some hundred times slower and exists for FMI 2 co-simulation only; install a "
+        "C compiler or `pip install fmu-harness[zig]` for the native one."
+    )
+
+
+def _build(plant: Plant, fmi_version: int, compiler: Compiler | None) -> Path:
+    """Generate, look the content up, and write it when it is new."""
+    # CasADi comes with these imports; a noted FMU is found without it.
+    from fmus.packaging.archive import content_hash, native_content, write_native_fmu
+    from fmus.packaging.portable import portable_content, write_portable_fmu
+
+    if compiler is None:
+        portable = portable_content(plant)
+        path = _place(plant.name, content_hash(portable.files), "portable")
+        if not path.exists():
+            _write_atomically(path, lambda part: write_portable_fmu(portable, part))
+        return path
+    native = native_content(plant, fmi_version)
+    made_by = f"{compiler.identity} {running_platform().tuple}"
+    path = _place(plant.name, content_hash(native.files), made_by)
+    if not path.exists():
+        _write_atomically(path, lambda part: write_native_fmu(native, compiler, part))
+    return path
+
+
+def _place(name: str, content: str, made_by: str) -> Path:
+    key = hashlib.sha256(f"{content} {made_by}".encode()).hexdigest()[:16]
+    return cache_directory() / key / f"{name}.fmu"
+
+
+def _write_atomically(path: Path, write: Callable[[Path], object]) -> None:
+    """Let `write` fill a file beside `path`, then rename it; nothing is left when it fails."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".part-", dir=path.parent) as folder:
+        part = Path(folder) / path.name
+        write(part)
+        part.replace(path)
+
+
+def _noted(plant: Plant, kind: str, build: Callable[[], Path]) -> Path:
+    """The path in the note of this plant and kind, else what `build` returns, noted."""
+    fingerprint = _plant_fingerprint(plant)
+    if fingerprint is None:
+        return build()
+    key = hashlib.sha256(f"{fingerprint} {kind}".encode()).hexdigest()[:32]
+    note = cache_directory() / "notes" / key
+    if note.exists():
+        path = cache_directory() / note.read_text("utf-8")
+        if path.exists():
+            return path
+    path = build()
+    relative = path.relative_to(cache_directory()).as_posix()
+    _write_atomically(note, lambda part: part.write_text(relative, "utf-8"))
+    return path
+
+
+def _plant_fingerprint(plant: Plant) -> str | None:
+    """Hash of everything that decides the FMU, or None when it cannot be told from outside."""
+    equations = plant.equations
+    if not (inspect.isfunction(equations) and _is_plain(equations)):
+        return None
+    package = sys.modules.get(equations.__module__.partition(".")[0])
+    roots = [Path(path) for path in getattr(package, "__path__", [])]
+    if not roots:
+        return None
+    data = [repr(getattr(plant, field.name)) for field in fields(plant) if field.type]
+    data[[field.name for field in fields(plant)].index("equations")] = equations.__qualname__
+    parts = [equations.__module__, *data, version("casadi"), sys.version, _own_sources()]
+    parts += [_source_hash(root) for root in roots]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def _is_plain(function: Callable[..., object]) -> bool:
+    """A module-level function without closure or defaults, as its module's source shows it."""
+    module = sys.modules.get(function.__module__)
+    return (
+        module is not None
+        and getattr(module, function.__name__, None) is function
+        and not getattr(function, "__closure__", None)
+        and not getattr(function, "__defaults__", None)
+        and not getattr(function, "__kwdefaults__", None)
+    )
+
+
+@lru_cache(maxsize=1)
+def _own_sources() -> str:
+    return _source_hash(Path(__file__).parent)
+
+
+def _source_hash(root: Path) -> str:
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*")):
+        if path.suffix in (".py", ".c", ".h") and path.is_file():
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0")
+            digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()

@@ -1,0 +1,116 @@
+"""The C compiler of this machine: `cc` and its like, else the one in the PyPI package ziglang."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from fmus.packaging.errors import PackagingError
+
+# Contraction to fused multiply-add is off: then machines with and without it agree bit by bit.
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
+_ARCHITECTURES = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
+_SYSTEMS = {"linux": ("linux", ".so"), "win32": ("windows", ".dll"), "darwin": ("darwin", ".dylib")}
+_FMI2_FOLDERS = {
+    "x86_64-linux": "linux64",
+    "x86_64-windows": "win64",
+    "x86_64-darwin": "darwin64",
+}
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A platform as FMI names it: `tuple` as in FMI 3 (`x86_64-linux`), library `suffix`."""
+
+    tuple: str
+    suffix: str
+
+    def folder(self, fmi_version: int) -> str:
+        """Name of its folder under `binaries/`."""
+        return _FMI2_FOLDERS.get(self.tuple, self.tuple) if fmi_version == 2 else self.tuple
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A command that understands the options of cc; `identity` is what it says of its version."""
+
+    command: tuple[str, ...]
+    identity: str
+
+
+def running_platform() -> Platform:
+    """The platform of this process; raises PackagingError when FMI has no name for it."""
+    machine = platform.machine().lower()
+    if sys.platform not in _SYSTEMS or machine not in _ARCHITECTURES:
+        raise PackagingError(
+            f"No native FMU can be built on {sys.platform} {machine}; known are "
+            f"{sorted(_SYSTEMS)} on {sorted(set(_ARCHITECTURES))}. Ask for the portable FMU."
+        )
+    system, suffix = _SYSTEMS[sys.platform]
+    return Platform(f"{_ARCHITECTURES[machine]}-{system}", suffix)
+
+
+def find_compiler() -> Compiler | None:
+    """The first that answers: environment variable CC, cc, gcc, clang, ziglang; else None."""
+    return _find_compiler(os.environ.get("CC", ""), os.environ.get("PATH", ""))
+
+
+@lru_cache(maxsize=8)
+def _find_compiler(environment_cc: str, _path: str) -> Compiler | None:
+    candidates = [tuple(shlex.split(environment_cc))] if environment_cc.strip() else []
+    candidates += [("cc",), ("gcc",), ("clang",)]
+    for command in candidates:
+        if shutil.which(command[0]) and (identity := _identity(command)):
+            return Compiler(command, identity)
+    if importlib.util.find_spec("ziglang") is not None:
+        zig = (sys.executable, "-m", "ziglang", "cc")
+        if identity := _identity(zig):
+            return Compiler(zig, identity)
+    return None
+
+
+def _identity(command: tuple[str, ...]) -> str:
+    """What `--version` prints, "" when the command does not run."""
+    try:
+        result = subprocess.run(
+            [*command, "--version"], capture_output=True, text=True, timeout=120, check=True
+        )
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return f"{' '.join(command)}: {result.stdout.strip()}"
+
+
+def compile_library(compiler: Compiler, sources: Path, main: str, library: Path, fmi: int) -> None:
+    """Compile `sources/main` into the shared library `library` for the running platform.
+
+    Paths inside the compilation are relative, so the library does not depend on where it was
+    built. Raises PackagingError with the compiler's words when it fails.
+    """
+    library = library.resolve()
+    command = [
+        *compiler.command,
+        *FLAGS,
+        f"-DFMI{fmi}_OVERRIDE_FUNCTION_PREFIX",
+        main,
+        "-o",
+        str(library),
+        "-lm",
+    ]
+    try:
+        result = subprocess.run(
+            command, cwd=sources, capture_output=True, text=True, timeout=600, check=False
+        )
+    except (OSError, subprocess.SubprocessError) as error:
+        raise PackagingError(f"The C compiler {compiler.command} did not run: {error}") from error
+    if result.returncode != 0 or not library.exists():
+        raise PackagingError(
+            f"The C compiler failed on {main} ({shlex.join(command)}):\n{result.stderr.strip()}"
+        )

@@ -1,0 +1,11 @@
+"""What can go wrong while a plant becomes an FMU."""
+
+from __future__ import annotations
+
+
+class PackagingError(Exception):
+    """A plant cannot be made into an FMU; the message names the plant, the place and the way out."""
+
+
+class PortableFallback(UserWarning):
+    """No C compiler was found, so the portable FMU took the place of the native one."""

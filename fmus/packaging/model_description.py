@@ -1,0 +1,315 @@
+"""modelDescription.xml for FMI 2.0 and FMI 3.0.
+
+Capabilities are declared where the runtime in `c/` has them and nowhere else. The token is a hash
+of content and stands in for itself while it is computed (`archive.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+from fmus.packaging.codegen import MAIN_SOURCE
+from fmus.packaging.interface import Interface
+from fmus.packaging.structure import ModelStructure, Unknown
+from fmus.packaging.units import base_unit
+from fmus.plant import DisplayUnit, Plant
+
+TOLERANCE = 1e-5
+LOG_CATEGORIES = {
+    "logEvents": "Life cycle of the instance",
+    "logSolver": "Substeps of each communication step",
+    "logStatusWarning": "Warnings, always sent",
+    "logStatusError": "Errors, always sent",
+}
+Attributes = dict[str, str]
+
+
+@dataclass(frozen=True)
+class VariableEntry:
+    """One variable of the XML in neutral form; the value reference is its place in the list."""
+
+    name: str
+    causality: str
+    variability: str
+    unit: str
+    description: str = ""
+    initial: str | None = None
+    start: float | None = None
+    nominal: float = 1.0
+    minimum: float | None = None
+    maximum: float | None = None
+    derivative_of: int | None = None
+
+
+def variable_entries(interface: Interface) -> list[VariableEntry]:
+    """Every variable in the order of value references."""
+    plant = interface.plant
+    states, derivatives = [], []
+    for reference, s in enumerate(plant.states, start=1):
+        causality = "output" if s.name in interface.state_outputs else "local"
+        states.append(
+            VariableEntry(
+                s.name, causality, "continuous", s.unit, s.description, "exact", s.start, s.nominal
+            )
+        )
+        derivatives.append(
+            VariableEntry(
+                f"der({s.name})",
+                "local",
+                "continuous",
+                rate_unit(s.unit),
+                f"Time derivative of {s.name}",
+                "calculated",
+                derivative_of=reference,
+            )
+        )
+    return [
+        VariableEntry("time", "independent", "continuous", "s", "Simulation time"),
+        *states,
+        *derivatives,
+        *(
+            VariableEntry(
+                v.name, "input", "continuous", v.unit, v.description, None, v.start, v.nominal
+            )
+            for v in plant.inputs
+        ),
+        *(
+            VariableEntry(
+                v.name,
+                "output",
+                "continuous",
+                v.unit,
+                v.description,
+                "calculated",
+                nominal=v.nominal,
+            )
+            for v in interface.outputs
+        ),
+        *(
+            VariableEntry(
+                p.name,
+                "parameter",
+                "tunable" if p.tunable else "fixed",
+                p.unit,
+                p.description,
+                "exact",
+                p.value,
+                minimum=p.minimum,
+                maximum=p.maximum,
+            )
+            for p in plant.parameters
+        ),
+    ]
+
+
+def rate_unit(unit: str) -> str:
+    """The unit of a time derivative."""
+    if unit in ("1", "-", ""):
+        return "1/s"
+    return f"{unit}/s" if "/" not in unit else f"({unit})/s"
+
+
+def model_description(
+    interface: Interface,
+    structure: ModelStructure,
+    fmi_version: int,
+    token: str,
+    *,
+    portable: bool = False,
+) -> bytes:
+    """The file's bytes, UTF-8, indented; `portable` declares what pythonfmu's library can do."""
+    root = _root(interface.plant, fmi_version, token)
+    entries = variable_entries(interface)
+    if portable:
+        _portable_interface(root, interface.plant.name)
+    else:
+        _interface_types(root, interface.plant.name, fmi_version)
+    _units(root, entries, interface.plant.display_units)
+    categories = ET.SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=text)
+    ET.SubElement(root, "DefaultExperiment", _experiment(interface.plant))
+    displays = _display_names(interface.plant.display_units)
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, entry in enumerate(entries):
+        add_variable = _variable_2 if fmi_version == 2 else _variable_3
+        add_variable(variables, reference, entry, displays)
+    add_structure = _structure_2 if fmi_version == 2 else _structure_3
+    add_structure(ET.SubElement(root, "ModelStructure"), structure)
+    return xml_bytes(root)
+
+
+def xml_bytes(root: ET.Element) -> bytes:
+    """Indented UTF-8 with a declaration and a final newline."""
+    ET.indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "utf-8") + b"\n"
+
+
+def _root(plant: Plant, fmi_version: int, token: str) -> ET.Element:
+    attributes = {
+        "fmiVersion": f"{fmi_version}.0",
+        "modelName": plant.name,
+        "guid" if fmi_version == 2 else "instantiationToken": token,
+        "description": plant.description,
+        "version": plant.version,
+        "license": "MIT",
+        "generationTool": "fmu-harness",
+        "variableNamingConvention": "structured",
+    }
+    if fmi_version == 2:
+        attributes["numberOfEventIndicators"] = "0"
+    return ET.Element("fmiModelDescription", attributes)
+
+
+def _interface_types(root: ET.Element, identifier: str, fmi_version: int) -> None:
+    common = {"modelIdentifier": identifier}
+    stepping = {"canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "1"}
+    if fmi_version == 3:
+        common |= {
+            "canGetAndSetFMUState": "true",
+            "canSerializeFMUState": "true",
+            "providesDirectionalDerivatives": "true",
+            "providesAdjointDerivatives": "true",
+        }
+        ET.SubElement(root, "ModelExchange", common)
+        ET.SubElement(root, "CoSimulation", common | stepping)
+        return
+    common |= {
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    for tag, attributes in (
+        ("ModelExchange", common | {"completedIntegratorStepNotNeeded": "true"}),
+        ("CoSimulation", common | stepping),
+    ):
+        files = ET.SubElement(ET.SubElement(root, tag, attributes), "SourceFiles")
+        ET.SubElement(files, "File", name=MAIN_SOURCE)
+
+
+def _portable_interface(root: ET.Element, identifier: str) -> None:
+    attributes = {
+        "modelIdentifier": identifier,
+        "needsExecutionTool": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    ET.SubElement(root, "CoSimulation", attributes)
+
+
+def _experiment(plant: Plant) -> Attributes:
+    return {
+        "startTime": "0",
+        "stopTime": repr(float(plant.stop_time)),
+        "tolerance": repr(TOLERANCE),
+        "stepSize": repr(float(plant.step_size)),
+    }
+
+
+def _units(
+    root: ET.Element, entries: list[VariableEntry], display_units: tuple[DisplayUnit, ...]
+) -> None:
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for unit in dict.fromkeys(entry.unit for entry in entries):
+        element = ET.SubElement(definitions, "Unit", name=unit)
+        meaning = base_unit(unit)
+        attributes = {base: str(power) for base, power in meaning.exponents.items()}
+        if meaning.factor != 1.0:
+            attributes["factor"] = repr(meaning.factor)
+        if meaning.offset != 0.0:
+            attributes["offset"] = repr(meaning.offset)
+        ET.SubElement(element, "BaseUnit", attributes)
+        for display in display_units:
+            if display.unit == unit:
+                scale = {"name": display.name, "factor": repr(float(display.factor))}
+                if display.offset:
+                    scale["offset"] = repr(float(display.offset))
+                ET.SubElement(element, "DisplayUnit", scale)
+
+
+def _display_names(display_units: tuple[DisplayUnit, ...]) -> dict[str, str]:
+    """The display unit that variables of a unit are shown in: the first one given for it."""
+    names: dict[str, str] = {}
+    for display in display_units:
+        names.setdefault(display.unit, display.name)
+    return names
+
+
+def _general(reference: int, entry: VariableEntry) -> Attributes:
+    attributes = {"name": entry.name, "valueReference": str(reference)}
+    if entry.description:
+        attributes["description"] = entry.description
+    attributes |= {"causality": entry.causality, "variability": entry.variability}
+    if entry.initial is not None:
+        attributes["initial"] = entry.initial
+    return attributes
+
+
+def _real(entry: VariableEntry, displays: dict[str, str]) -> Attributes:
+    attributes = {"unit": entry.unit}
+    if entry.unit in displays:
+        attributes["displayUnit"] = displays[entry.unit]
+    if entry.minimum is not None:
+        attributes["min"] = repr(float(entry.minimum))
+    if entry.maximum is not None:
+        attributes["max"] = repr(float(entry.maximum))
+    if entry.nominal != 1.0:
+        attributes["nominal"] = repr(float(entry.nominal))
+    if entry.start is not None:
+        attributes["start"] = repr(float(entry.start))
+    return attributes
+
+
+def _variable_2(
+    parent: ET.Element, reference: int, entry: VariableEntry, displays: dict[str, str]
+) -> None:
+    real = _real(entry, displays)
+    if entry.derivative_of is not None:
+        real["derivative"] = str(entry.derivative_of + 1)  # an index, counted from 1
+    element = ET.SubElement(parent, "ScalarVariable", _general(reference, entry))
+    ET.SubElement(element, "Real", real)
+
+
+def _variable_3(
+    parent: ET.Element, reference: int, entry: VariableEntry, displays: dict[str, str]
+) -> None:
+    attributes = _general(reference, entry) | _real(entry, displays)
+    if entry.derivative_of is not None:
+        attributes["derivative"] = str(entry.derivative_of)
+    ET.SubElement(parent, "Float64", attributes)
+
+
+def _dependencies(unknown: Unknown, first: int) -> Attributes:
+    return {
+        "dependencies": " ".join(str(reference + first) for reference in unknown.dependencies),
+        "dependenciesKind": " ".join(unknown.kinds),
+    }
+
+
+def _structure_2(parent: ET.Element, structure: ModelStructure) -> None:
+    """FMI 2 counts variables from 1; a list without entries is left out."""
+    for tag, unknowns in (
+        ("Outputs", structure.outputs),
+        ("Derivatives", structure.derivatives),
+        ("InitialUnknowns", structure.initial_unknowns),
+    ):
+        if unknowns:
+            group = ET.SubElement(parent, tag)
+            for unknown in unknowns:
+                index = {"index": str(unknown.reference + 1)}
+                ET.SubElement(group, "Unknown", index | _dependencies(unknown, 1))
+
+
+def _structure_3(parent: ET.Element, structure: ModelStructure) -> None:
+    for tag, unknowns in (
+        ("Output", structure.outputs),
+        ("ContinuousStateDerivative", structure.derivatives),
+        ("InitialUnknown", structure.initial_unknowns),
+    ):
+        for unknown in unknowns:
+            reference = {"valueReference": str(unknown.reference)}
+            ET.SubElement(parent, tag, reference | _dependencies(unknown, 0))

@@ -1,0 +1,118 @@
+"""One instance of a portable FMU: value references, state, stepping.
+
+Value references are those of the native FMU: time, states, derivatives, inputs, outputs,
+parameters. The module that pythonfmu loads delegates to this class and does not inherit from it:
+pythonfmu's library drops a reference too many to the bases of that class each time the FMU is
+loaded, which ends in a crash for a base that outlives the load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from . import rodas4
+from .model import Model
+
+_TOLERANCE = 1e-5
+
+
+@dataclass
+class _Values:
+    """Everything that a stored FMU state must hold."""
+
+    time: float
+    relative_tolerance: float
+    substep: float
+    x: list[float]
+    u: list[float]
+    p: list[float]
+
+
+class StepFailed(Exception):
+    """A step failed; the values are those before it. The message is for the log."""
+
+
+class Instance:
+    """A plant stepped by RODAS4, with the values of one instance."""
+
+    def __init__(self, model: Model) -> None:
+        """Start values throughout."""
+        self._model = model
+        self._values = _Values(
+            0.0, _TOLERANCE, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
+        )
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Take the tolerance over where one is given."""
+        self._values.time = start_time
+        if tolerance:
+            self._values.relative_tolerance = tolerance
+
+    def do_step(self, current_time: float, step_size: float) -> None:
+        """Step, or raise StepFailed and keep the values as they were."""
+        values, model = self._values, self._model
+        problem = rodas4.Problem(
+            lambda x: model.derivatives(x, values.u, values.p),
+            lambda x: model.linearise(x, values.u, values.p),
+            values.relative_tolerance,
+            model.x_nominal,
+            model.state_names,
+        )
+        if values.x:
+            try:
+                values.x, values.substep = rodas4.integrate(
+                    problem, step_size, values.x, values.substep
+                )
+            except rodas4.StepFailure as failure:
+                raise StepFailed(
+                    f"The step from {current_time!r} s over {step_size!r} s failed {failure}. "
+                    "The values are those before the step."
+                ) from failure
+        values.time = current_time + step_size
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values by value reference."""
+        values, model = self._values, self._model
+        table = [values.time, *values.x]
+        table += model.derivatives(values.x, values.u, values.p)
+        table += [*values.u, *model.outputs(values.x, values.u, values.p), *values.p]
+        return [table[reference] for reference in vrs]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set states, inputs and parameters; raises ValueError for anything else, changes nothing
+        then."""
+        places = [self._place(vr, value) for vr, value in zip(vrs, values, strict=True)]
+        for (target, index), value in zip(places, values, strict=True):
+            target[index] = value
+
+    def _place(self, reference: int, value: float) -> tuple[list[float], int]:
+        model, stored = self._model, self._values
+        n_x, n_u, n_y = len(stored.x), len(stored.u), model.n_outputs
+        if not isfinite(value):
+            raise ValueError(f"Value reference {reference} cannot be set to {value}.")
+        if 1 <= reference <= n_x:
+            return stored.x, reference - 1
+        index = reference - 1 - 2 * n_x
+        if 0 <= index < n_u:
+            return stored.u, index
+        index -= n_u + n_y
+        if not 0 <= index < len(stored.p):
+            raise ValueError(f"Value reference {reference} is no variable that can be set.")
+        low, high = model.p_range[index]
+        if not low <= value <= high:
+            raise ValueError(f"Value reference {reference}: {value} is not in [{low}, {high}].")
+        return stored.p, index
+
+    def get_state(self) -> dict[str, Any]:
+        """A copy of everything that a restored instance needs, ready for JSON."""
+        values = self._values
+        return {**vars(values), "x": [*values.x], "u": [*values.u], "p": [*values.p]}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a copy from `get_state` over."""
+        vectors = {name: [*state[name]] for name in ("x", "u", "p")}
+        self._values = _Values(**{**state, **vectors})

@@ -1,0 +1,24 @@
+"""The form of the generated equations in a portable FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Vector = list[float]
+
+
+@dataclass(frozen=True)
+class Model:
+    """Tables and functions of (x, u, p) of one plant; `linearise` returns dx and df/dx by rows."""
+
+    state_names: tuple[str, ...]
+    x_start: tuple[float, ...]
+    x_nominal: tuple[float, ...]
+    u_start: tuple[float, ...]
+    p_start: tuple[float, ...]
+    p_range: tuple[tuple[float, float], ...]
+    n_outputs: int
+    derivatives: Callable[[Vector, Vector, Vector], Vector]
+    outputs: Callable[[Vector, Vector, Vector], Vector]
+    linearise: Callable[[Vector, Vector, Vector], tuple[Vector, Vector]]
