@@ -10,16 +10,16 @@ drifting to an end stop (the axis integrates every offset):
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import pi
 from types import SimpleNamespace
 
 from fmus.physics.axis_interface import (
     DISPLAY_UNITS,
-    Value,
     axis_output_values,
     axis_outputs,
-    axis_parameters,
     axis_states,
 )
+from fmus.physics.axis_parameters import Value, axis_parameters
 from fmus.physics.electro_hydraulic_actuator import Axis, axis
 from fmus.physics.smooth import Expression
 from fmus.plant import Parameter, Plant, Variable
@@ -39,32 +39,26 @@ OUTPUTS = (
     Variable("spring_power", "W", "power that the spring gives to the rod", nominal=100.0),
 )
 
-PARAMETERS = (
-    *axis_parameters(
-        {
-            "torque_limit": Value(26.18, f"{TABLE_3} (rated torque)"),
-            "power_limit": Value(2200.0, f"{TABLE_3} (2.2 kW)"),
-            "rated_speed": Value(209.43951023931953, f"{TABLE_3} (2000 rev/min)"),
-            "rotor_inertia": Value(8e-3, "our choice: motor of this torque, and the pump"),
-            "speed_gain": Value(1.2, "our choice: speed loop of 150 rad/s with this inertia"),
-            "pump_displacement": Value(10e-6, f"{TABLE_3} (10 cm³/rev)"),
-            "piston_diameter": Value(0.055, TABLE_3),
-            "rod_diameter": Value(0.035, TABLE_3),
-            "stroke": Value(0.100, TABLE_3),
-            "load_mass": Value(50.0, "our choice: piston, rod and platen"),
-            "viscous_friction": Value(2000.0, "our choice: seals only, 280 N at full speed"),
-        }
-    ),
-    Parameter(
-        "centring_gain",
-        "1/m",
-        "command per displacement from mid-stroke",
-        7.0,
-        "our choice: 1 s to return, below the disturbance's band; 0 switches it off",
-        0.0,
-        1e3,
-    ),
+AXIS_VALUES = {
+    "torque_limit": Value(26.18, f"{TABLE_3} (rated torque)"),
+    "power_limit": Value(2200.0, f"{TABLE_3} (2.2 kW)"),
+    "rated_speed": Value(2000 * 2 * pi / 60, f"{TABLE_3} (2000 rev/min)"),
+    "rotor_inertia": Value(8e-3, "our choice: a motor of this torque, and the pump"),
+    "speed_gain": Value(1.2, "our choice: speed loop of 150 rad/s with this inertia"),
+    "pump_displacement": Value(10e-6, f"{TABLE_3} (10 cm³/rev)"),
+    "piston_diameter": Value(0.055, TABLE_3),
+    "rod_diameter": Value(0.035, TABLE_3),
+    "stroke": Value(0.100, TABLE_3),
+    "load_mass": Value(50.0, "our choice: piston, rod and platen"),
+    "viscous_friction": Value(2000.0, "our choice: seals only, 280 N at full speed"),
+}
+
+# fmt: off
+CENTRING = (
+    Parameter("centring_gain", "1/m", "command per displacement from mid-stroke",
+              7.0, "our choice: returns in 1 s, below the disturbance's band; 0 is off", 0.0, 1e3),
 )
+# fmt: on
 
 
 def assemble(x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Axis:
@@ -75,7 +69,7 @@ def assemble(x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace) -> Axis
 def equations(
     x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace
 ) -> tuple[Mapping[str, Expression], Mapping[str, Expression]]:
-    """dx/dt and y, over CasADi scalars."""
+    """dx/dt by state and y by output, over CasADi scalars."""
     body = assemble(x, u, p)
     outputs = {
         **axis_output_values(x, body, p.oil_density),
@@ -93,7 +87,7 @@ plant = Plant(
     states=axis_states(),
     inputs=INPUTS,
     outputs=OUTPUTS,
-    parameters=PARAMETERS,
+    parameters=(*axis_parameters(AXIS_VALUES), *CENTRING),
     equations=equations,
     stop_time=2.0,
     display_units=DISPLAY_UNITS,

@@ -51,12 +51,19 @@ class Oil:
         excess = pressure - self.vapour_pressure
         return excess * (a * excess - b * excess * excess + c) / (b * excess * excess + c)
 
-    def stiffness_by_density(self, pressure: Expression) -> Expression:
-        """dp/dρ = β_eff/ρ in Pa·m³/kg, finite down to vapour pressure."""
+    def pressure_rate(
+        self, pressure: Expression, volume: Expression, inflow: Expression, growth: Expression
+    ) -> Expression:
+        """dp/dt = ((dp/dρ) Σṁ − β_eff dV/dt)/V in Pa/s: the balance of mass ρ(p) V of a chamber.
+
+        `inflow` is Σṁ (kg/s), `growth` is dV/dt (m³/s). dp/dρ = β_eff/ρ is written without the
+        common factor π, so that it stays finite down to vapour pressure.
+        """
         a, b, c = self._coefficients()
         excess = pressure - self.vapour_pressure
-        volume = a * excess - b * excess * excess + c
-        return volume * volume / ((b * excess * excess + c) * self.density)
+        scaled = a * excess - b * excess * excess + c
+        by_density = scaled * scaled / ((b * excess * excess + c) * self.density)
+        return (by_density * inflow - self.effective_bulk_modulus(pressure) * growth) / volume
 
     def enthalpy(self, pressure: Expression) -> Expression:
         """h(p) in J/kg, zero at the reference pressure."""

@@ -82,6 +82,10 @@ class CouplingSpring:
         ratio = self.tension_ratio
         return self.stiffness * (ratio * compression + (1 - ratio) * pushed)
 
+    def damping_force(self, closing_speed: Expression) -> Expression:
+        """Damping part c dδ/dt in N."""
+        return self.damping * closing_speed
+
     def stored_energy(self, compression: Expression) -> Expression:
         """Elastic energy in J; its derivative by δ is `elastic_force`."""
         d, w = compression, CONTACT_WIDTH
