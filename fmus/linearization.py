@@ -68,17 +68,16 @@ def equilibrium(
 ) -> tuple[Array, Array]:
     """(x, u) at rest where `output` is `target`; input number `free_input` is solved for.
 
-    The free input integrates the error of the output, du/dt = (target − y)/y_nominal, and linearly
+    The free input integrates the output's error, du/dt = 0.02 (target − y)/y_nominal, and linearly
     implicit Euler with growing steps follows that loop from the start state to rest, so that the
     way there is physical; its last steps are Newton's. Raises `EquilibriumError` when they do not
     converge to 1e-10 of the nominals.
     """
     f, h = plant_functions(plant)
     p = parameter_values(plant)
-    names = [v.name for v in plant.outputs]
-    number = names.index(output)
+    number = [v.name for v in plant.outputs].index(output)
     state, inputs = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs))
-    error = (target - h(state, inputs, p)[number]) / plant.outputs[number].nominal
+    error = 0.02 * (target - h(state, inputs, p)[number]) / plant.outputs[number].nominal
     rate = ca.vertcat(f(state, inputs, p), error)
     slope = ca.jacobian(rate, ca.vertcat(state, inputs[free_input]))
     closed_loop = ca.Function("closed_loop", [state, inputs], [rate, slope])
