@@ -1,0 +1,114 @@
+"""What the plant tests share: simulation by Radau, random states, rates of a scalar along f."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from fmus.disturbance_generator.model import plant as disturbance_generator
+from fmus.hybrid_actuator.model import plant as hybrid_actuator
+from fmus.linearization import parameter_values, plant_functions
+from fmus.plant import Plant
+
+Array = NDArray[np.float64]
+PLANTS = (hybrid_actuator, disturbance_generator)
+SAMPLE_TIME = 0.01
+
+STATE_RANGES = {
+    "shaft_speed": (-300.0, 300.0),
+    "air_gap_torque": (-26.0, 26.0),
+    "speed_integral": (-26.0, 26.0),
+    "chamber_pressure_a": (2e3, 200e5),
+    "chamber_pressure_b": (2e3, 200e5),
+    "rod_displacement": (-0.0755, 0.0755),
+    "rod_velocity": (-0.3, 0.3),
+    "load_cell_force": (-5e4, 5e4),
+}
+INPUT_RANGES = {
+    "command": (-1.2, 1.2),
+    "environment_position": (-0.05, 0.05),
+    "environment_velocity": (-0.3, 0.3),
+    "spring_force": (-3e4, 3e4),
+}
+
+
+def draw(plant: Plant, rng: np.random.Generator) -> tuple[Array, Array]:
+    """A random state and input; pressures log-uniform, so that thin oil is drawn as well."""
+    x = np.array([rng.uniform(*STATE_RANGES[s.name]) for s in plant.states])
+    for i, state in enumerate(plant.states):
+        if state.unit == "Pa":
+            x[i] = np.exp(rng.uniform(*np.log(STATE_RANGES[state.name])))
+    return x, np.array([rng.uniform(*INPUT_RANGES[v.name]) for v in plant.inputs])
+
+
+@dataclass(frozen=True)
+class Run:
+    """Samples at k·Ts: time (N+1,), states (N+1, n), inputs and outputs at and held from k."""
+
+    plant: Plant
+    time: Array
+    x: Array
+    u: Array
+    y: Array
+
+    def state(self, name: str) -> Array:
+        return self.x[:, [s.name for s in self.plant.states].index(name)]
+
+    def output(self, name: str) -> Array:
+        return self.y[:, [v.name for v in self.plant.outputs].index(name)]
+
+
+class Simulator:
+    """A plant stepped by Radau with exact Jacobian, inputs held over each sample."""
+
+    def __init__(self, plant: Plant, changed: Mapping[str, float] | None = None) -> None:
+        self.plant = plant
+        self.p = parameter_values(plant, changed)
+        self.f, self.h = plant_functions(plant)
+        x, u = ca.SX.sym("x", len(plant.states)), ca.SX.sym("u", len(plant.inputs))
+        self.jacobian = ca.Function("jac_x", [x, u], [ca.jacobian(self.f(x, u, self.p), x)])
+        self.nominal = np.array([s.nominal for s in plant.states])
+        self.start = np.array([s.start for s in plant.states])
+
+    def rate(self, x: Array, u: Array) -> Array:
+        return self.f(x, u, self.p).full().ravel()
+
+    def outputs(self, x: Array, u: Array) -> Array:
+        return self.h(x, u, self.p).full().ravel()
+
+    def step(self, x: Array, u: Array, rtol: float, duration: float = SAMPLE_TIME) -> Array:
+        solution = solve_ivp(
+            lambda t, z: self.rate(z, u),
+            (0.0, duration),
+            x,
+            method="Radau",
+            jac=lambda t, z: self.jacobian(z, u).full(),
+            rtol=rtol,
+            atol=rtol * self.nominal,
+        )
+        assert solution.success, solution.message
+        return solution.y[:, -1]
+
+    def run(
+        self,
+        inputs: Callable[[float], tuple[float, ...]],
+        stop_time: float,
+        rtol: float = 1e-6,
+        start: Mapping[str, float] | None = None,
+    ) -> Run:
+        names = [s.name for s in self.plant.states]
+        x = self.start.copy()
+        for name, value in (start or {}).items():
+            x[names.index(name)] = value
+        time = SAMPLE_TIME * np.arange(round(stop_time / SAMPLE_TIME) + 1)
+        u = np.array([inputs(t) for t in time])
+        states = [x]
+        for held in u[:-1]:
+            states.append(self.step(states[-1], held, rtol))
+        y = np.array([self.outputs(a, b) for a, b in zip(states, u, strict=True)])
+        return Run(self.plant, time, np.array(states), u, y)
