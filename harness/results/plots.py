@@ -9,7 +9,6 @@ a Figure, which the caller saves (`save_figures`) or shows.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +16,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from harness.errors import RecordingError, UsageError
 from harness.results.result import Result
 
-Array = NDArray[np.float64]
 Variants = Mapping[str, Result]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
@@ -74,7 +71,7 @@ def legend(axes: Axes) -> None:
         labels,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=min(max(len(labels), 1), 4),
+        ncols=min(max(len(labels), 1), 5),
         frameon=False,
         fontsize="small",
         borderaxespad=0.2,
@@ -116,6 +113,7 @@ def overview_plot(
     draw_error(middle, variants, response, reference)
     draw_control(bottom, variants, control)
     legend(top)
+    figure.align_ylabels()
     return figure
 
 
@@ -175,11 +173,12 @@ def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -
             raise UsageError(f"no variant recorded {signal!r}; nothing can be drawn of it")
         panel.set_ylabel(axis_label(_quantity(signal), unit))
     legend_of_all(figure, axes)
+    figure.align_ylabels()
     return figure
 
 
-def legend_of_all(figure: Figure, axes: Iterable[Axes]) -> None:
-    """One legend below the panels, with each name once."""
+def legend_of_all(figure: Figure, axes: Iterable[Axes], columns: int = 5) -> None:
+    """One legend below the panels, with each name once, filled column by column."""
     found: dict[str, Any] = {}
     for one in axes:
         for handle, name in zip(*one.get_legend_handles_labels(), strict=True):
@@ -188,7 +187,7 @@ def legend_of_all(figure: Figure, axes: Iterable[Axes]) -> None:
         found.values(),
         found.keys(),
         loc="outside lower center",
-        ncols=min(max(len(found), 1), 4),
+        ncols=min(max(len(found), 1), columns),
         frameon=False,
         fontsize="small",
     )
@@ -206,45 +205,7 @@ def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Fi
             panel.plot(result.time, result[name], label=name, **line_style(index))
         panel.set_ylabel(axis_label("value" if len(shown) > 1 else _quantity(shown[0]), unit))
         legend(panel)
-    return figure
-
-
-@dataclass(frozen=True, eq=False)
-class MembershipCurves:
-    """The membership functions of one variable, drawn: `grid` (shape (n,), in `unit`) and for
-    each linguistic term its degrees of membership on the grid."""
-
-    variable: str
-    unit: str
-    grid: Array
-    terms: Mapping[str, Array]
-
-
-def membership_plot(
-    before: Sequence[MembershipCurves], after: Sequence[MembershipCurves], *, title: str = ""
-) -> Figure:
-    """Membership functions before (thin, dashed) and after (solid), a panel a variable, each term
-    in its colour."""
-    if [one.variable for one in before] != [one.variable for one in after] or not before:
-        raise UsageError("membership functions before and after must be of the same variables")
-    figure = Figure(
-        figsize=(WIDTH, 0.9 + PANEL_HEIGHT * len(before)), dpi=DPI, layout="constrained"
-    )
-    FigureCanvasAgg(figure)
-    axes = list(np.atleast_1d(figure.subplots(len(before), 1)))
-    for old, new, panel in zip(before, after, axes, strict=True):
-        style_axes(panel)
-        for index, term in enumerate(old.terms):
-            color = PALETTE[index % len(PALETTE)]
-            dashed: dict[str, Any] = {"color": color, "linestyle": (0, (3, 2)), "linewidth": 1.0}
-            panel.plot(old.grid, old.terms[term], label=f"{term} before", **dashed)
-            panel.plot(new.grid, new.terms[term], label=f"{term} after", color=color, linewidth=1.8)
-        panel.set_xlabel(axis_label(old.variable, old.unit))
-        panel.set_ylabel(axis_label("degree of membership", "1"))
-        panel.set_ylim(-0.03, 1.05)
-    legend_of_all(figure, axes)
-    if title:
-        figure.suptitle(title, fontsize="large")
+    figure.align_ylabels()
     return figure
 
 
