@@ -156,9 +156,7 @@ class Bench:
         made = make_signal(source, parameters) if isinstance(source, str) else source
         self._add(SignalComponent(name, made, self._period(step, f"step of {name}")))
 
-    def sensitivity(
-        self, name: str, *, of: str, to: str, sample_time: float | None = None
-    ) -> None:
+    def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
         `harness.execution.sensitivity`."""
         output, known = self._endpoint(of), self._endpoint(to)

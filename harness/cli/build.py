@@ -15,8 +15,12 @@ from harness.errors import HarnessError, UsageError
 
 
 def build_command(
-    plants: Annotated[list[str] | None, typer.Argument(help="Plants; all when none is named")] = None,
-    fmi: Annotated[list[int] | None, typer.Option(help="FMI version, 2 or 3; both when absent")] = None,
+    plants: Annotated[
+        list[str] | None, typer.Argument(help="Plants; all when none is named")
+    ] = None,
+    fmi: Annotated[
+        list[int] | None, typer.Option(help="FMI version, 2 or 3; both when absent")
+    ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the .fmu files")] = Path("fmu"),
     portable: Annotated[bool, typer.Option(help="Python packaging, no compiler needed")] = False,
 ) -> None:

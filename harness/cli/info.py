@@ -26,6 +26,8 @@ def info_command(
         typer.echo(json.dumps(_as_data(description, sha256), indent=2, ensure_ascii=False))
         return
     console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=200)
     console.print(_identity(description, sha256))
     console.print(_variables(description))
 

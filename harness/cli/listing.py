@@ -21,7 +21,8 @@ def list_command() -> None:
     plants = {name: registry.plant(name).description for name in registry.names(registry.PLANTS)}
     console.print(_table("plants", plants))
     controllers = {
-        name: _first_line(registry.controller(name)) for name in registry.names(registry.CONTROLLERS)
+        name: _first_line(registry.controller(name))
+        for name in registry.names(registry.CONTROLLERS)
     }
     console.print(_table("controllers", controllers))
     titles = {name: _title(path) for name, path in registry.experiments().items()}

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 
 import typer
-from click.exceptions import ClickException
 from rich.console import Console
 
 from harness.cli import build, info, listing, run, timing
@@ -39,19 +38,13 @@ def run_command_line(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     try:
-        code = app(args=arguments, standalone_mode=False)
-    except ClickException as fault:
-        fault.show()
-        return 2
+        app(args=arguments)
+    except SystemExit as done:  # how typer ends, also after a usage error of its own
+        return done.code if isinstance(done.code, int) else int(done.code is not None)
     except (UsageError, ExperimentError) as fault:
         console.print(f"error: {fault}", markup=False)
         return 2
     except HarnessError as fault:
         console.print(f"error: {fault}", markup=False)
         return 1
-    except KeyboardInterrupt:
-        console.print("interrupted", markup=False)
-        return 1
-    except BrokenPipeError:
-        return 1
-    return code if isinstance(code, int) else 0
+    return 0

@@ -294,4 +294,3 @@ def _call(
         np.empty(0, dtype=np.int64) if times is None else times,
     )
     return outcome
-

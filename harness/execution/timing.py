@@ -115,7 +115,9 @@ def _measure(system: System, fmus: Mapping[str, Fmu], pulsed: Endpoint) -> tuple
     baseline = _run(_opened(system, pulsed, 0.0), fmus, ports)
     times: dict[Endpoint, int | None] = dict.fromkeys(ports)
     for size in _SIZES:
-        times = _first_differences(ports, baseline, _run(_opened(system, pulsed, size), fmus, ports))
+        times = _first_differences(
+            ports, baseline, _run(_opened(system, pulsed, size), fmus, ports)
+        )
         if any(times[port] is not None for port in ports[1:]):
             break
     return tuple(Arrival(p, computed, times[p], source.period_ns) for p in ports)
@@ -212,4 +214,3 @@ def _first_differences(
         changed = np.flatnonzero(first[1][:, column] != second[1][:, column])
         found[port] = int(first[0][changed[0]]) if changed.size else None
     return found
-

@@ -64,9 +64,7 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
     drawn: dict[str, Figure] = {}
     if spec.measure is not None:
         m = spec.measure
-        drawn["response"] = overview_plot(
-            labelled, m.response, m.reference, m.control, title=title
-        )
+        drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
     elif not spec.plots:
         for name, result in labelled.items():
             drawn[name] = signals_plot(result, result.names, title=f"{title}: {name}")

@@ -139,5 +139,3 @@ class ExperimentSpec(Strict):
     measure: MeasureSpec | None = None
     plots: dict[str, PlotSpec] = Field(default_factory=dict)
     study: StudySpec | None = None
-
-

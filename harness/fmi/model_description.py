@@ -14,6 +14,7 @@ from typing import Any
 
 import fmpy
 from fmpy.model_description import ValidationError
+from lxml import etree
 
 from harness.errors import FmuError, nearest
 from harness.system.units import Unit
@@ -128,10 +129,22 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
         ) from fault
     except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
         raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    return _adapt(description)
+    return _adapt(description, _directional(document))
 
 
-def _adapt(d: Any) -> ModelDescription:
+def _directional(document: Path) -> frozenset[str]:
+    """Interfaces with directional derivatives; FMPy 0.3.32 does not read FMI 3's spelling of it."""
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
+    root = etree.parse(str(document), parser).getroot()
+    names = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
+    return frozenset(
+        str(element.tag)
+        for element in root
+        if any(element.get(name, "").strip() in ("true", "1") for name in names)
+    )
+
+
+def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
     variables = {v.name: _variable(v) for v in d.modelVariables}
     experiment = d.defaultExperiment
     outputs = {u.variable.name: u for u in d.outputs if u.variable is not None}
@@ -141,8 +154,8 @@ def _adapt(d: Any) -> ModelDescription:
         token=d.instantiationToken or "",
         description=d.description or "",
         generation_tool=d.generationTool or "",
-        co_simulation=_capabilities(d.coSimulation),
-        model_exchange=_capabilities(d.modelExchange),
+        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional),
+        model_exchange=_capabilities(d.modelExchange, "ModelExchange" in directional),
         variables=variables,
         units={u.name: _unit(u) for u in d.unitDefinitions},
         feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},
@@ -188,14 +201,14 @@ def _feedthrough(unknown: Any, variables: Mapping[str, Variable]) -> tuple[str, 
     return tuple(name for name in names if variables[name].causality == "input")
 
 
-def _capabilities(c: Any) -> Capabilities | None:
+def _capabilities(c: Any, directional: bool) -> Capabilities | None:
     if c is None:
         return None
     return Capabilities(
         model_identifier=c.modelIdentifier,
         can_get_and_set_fmu_state=bool(c.canGetAndSetFMUstate),
         can_serialize_fmu_state=bool(c.canSerializeFMUstate),
-        provides_directional_derivatives=bool(c.providesDirectionalDerivative),
+        provides_directional_derivatives=directional,
         provides_adjoint_derivatives=bool(c.providesAdjointDerivatives),
         can_be_instantiated_only_once=bool(c.canBeInstantiatedOnlyOncePerProcess),
         can_handle_variable_step=bool(getattr(c, "canHandleVariableCommunicationStepSize", True)),

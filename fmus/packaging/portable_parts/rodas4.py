@@ -53,9 +53,7 @@ class Problem:
     state_names: tuple[str, ...]
 
 
-def integrate(
-    problem: Problem, duration: float, x: Vector, substep: float
-) -> tuple[Vector, float]:
+def integrate(problem: Problem, duration: float, x: Vector, substep: float) -> tuple[Vector, float]:
     """State after `duration`, and the substep to try next; raises StepFailure."""
     smallest = 4.0 * float_info.epsilon * duration
     t, h, attempts = 0.0, substep, 0
@@ -137,9 +135,7 @@ def _sum(start: float, weights: tuple[float, ...], stages: list[Vector], i: int)
     return start
 
 
-def _error_norm(
-    problem: Problem, x: Vector, candidate: Vector, error: Vector
-) -> tuple[float, int]:
+def _error_norm(problem: Problem, x: Vector, candidate: Vector, error: Vector) -> tuple[float, int]:
     total, largest, worst = 0.0, -1.0, 0
     for i, scale in enumerate(problem.scale):
         size = max(abs(x[i]), abs(candidate[i]))
