@@ -25,6 +25,10 @@ def test_names_and_seeds_give_distinct_streams(seed: int, names: set[tuple[str, 
     assert len(states) == len(seeds)
 
 
+def test_where_one_name_ends_and_the_next_begins_matters() -> None:
+    assert named_seed(1, "ab", "c").spawn_key != named_seed(1, "a", "bc").spawn_key
+
+
 def test_sampling_twice_from_one_seed_repeats_even_for_signals_with_children() -> None:
     source = Sum((ContaminatedNoise(1.0), WhiteNoise(1.0)))
     seed = SeedSequence(3)
@@ -45,6 +49,14 @@ def test_parts_of_a_sum_are_uncorrelated() -> None:
     total = Sum((noise, noise)).sampler(SeedSequence(1)).sample(many)
     # Independent parts have variance 2 (equal ones 4); its estimate has deviation 2·√(2/n).
     assert abs(np.var(total) - 2.0) < 5 * 2 * np.sqrt(2 / len(many))
+
+
+def test_whether_a_value_is_an_outlier_does_not_depend_on_the_value() -> None:
+    # First values of many seeds: with one stream for both, outliers would be the small values.
+    noise, ratio = ContaminatedNoise(1.0, epsilon=1 / 16, ratio=1e9), 1e9
+    x = [noise.sampler(SeedSequence(seed)).sample(TIMES[:1])[0] for seed in range(4000)]
+    outliers = np.array([one / ratio for one in x if abs(one) > 1e3])
+    assert abs(np.var(outliers) - 1.0) < 5 * np.sqrt(2 / len(outliers))
 
 
 def test_a_window_leaves_the_values_inside_it_as_they_were() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.errors import UsageError
-from harness.results.metrics import first_crossing, lost_loop, settling_time
+from harness.results.metrics import final_window, first_crossing, lost_loop, settling_time
 from harness.results.step_response import (
     metric_units,
     segment_metrics,
@@ -51,6 +51,14 @@ def test_steady_state_error_is_in_percent_of_the_reference_over_the_window() -> 
     assert m.steady_state_max == pytest.approx(3.0)
 
 
+def test_the_final_window_is_a_share_of_the_span_wherever_it_begins() -> None:
+    for begin in (0.0, 5.0, -100.0):
+        t = begin + np.arange(101.0)
+        assert final_window(t, 0.2) == slice(80, None)
+        assert final_window(t, 1.0) == slice(0, None)
+        assert final_window(t, 1e-9) == slice(100, None)
+
+
 @pytest.mark.parametrize(
     ("response", "lost"),
     [
@@ -65,7 +73,8 @@ def test_steady_state_error_is_in_percent_of_the_reference_over_the_window() -> 
     ],
 )
 def test_lost_loop(response: np.ndarray, lost: bool) -> None:
-    assert lost_loop(T, ONE, response, window=0.5) is lost
+    for scale in (1.0, -2000.0):  # of the reference: the limits are relative
+        assert lost_loop(T, scale * ONE, scale * response, window=0.5) is lost
 
 
 def test_each_step_of_a_multi_step_reference_is_measured_by_itself() -> None:
