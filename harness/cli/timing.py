@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -13,9 +13,11 @@ from harness import registry
 from harness.cli.notices import notices
 from harness.cli.values import settings
 from harness.clock import show
-from harness.execution.plan import Plan
-from harness.execution.timing import Arrival, measure_delays, schedule
-from harness.system.graph import Endpoint
+
+if TYPE_CHECKING:
+    from harness.execution.plan import Plan
+    from harness.execution.timing import Arrival
+    from harness.system.graph import Endpoint
 
 _SHOWN = 60  # lines of the schedule
 
@@ -29,6 +31,7 @@ def timing_command(
 ) -> None:
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.execution.run import opened, plan_system
+    from harness.execution.timing import measure_delays
     from harness.experiment.experiment import Experiment
 
     console = Console(highlight=False, soft_wrap=True)
@@ -46,6 +49,8 @@ def timing_command(
 
 
 def _print_schedule(console: Console, plan: Plan) -> None:
+    from harness.execution.timing import schedule
+
     lines = list(schedule(plan))
     for instant, group in groupby(lines[:_SHOWN], key=lambda line: line[0]):
         for i, (_, text) in enumerate(group):

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from rich import box
 from rich.table import Table
 
 from harness.errors import RecordingError
@@ -17,30 +18,43 @@ from harness.results.step_response import metric_units
 
 Results = Mapping[str, Result]
 
-SHOWN = (
-    "delay_time", "rise_time", "overshoot", "settling_time", "steady_state_mean",
-    "steady_state_rms", "iae", "actuator_travel",
-)  # fmt: skip
-"""The metrics of the table on the terminal; all of them are in `metrics.csv`."""
+SHOWN = {
+    "delay_time": "delay",
+    "rise_time": "rise",
+    "overshoot": "overshoot",
+    "settling_time": "settling",
+    "steady_state_mean": "SSE mean",
+    "steady_state_rms": "SSE RMS",
+    "iae": "IAE",
+    "actuator_travel": "travel",
+    "lost_loop": "loop",
+}
+"""The metrics of the table on the terminal, as it calls them; all are in `metrics.csv`."""
 
 
 def metrics_table(experiment: Experiment, results: Results) -> Table:
     """One row a variant; "–" where a figure does not exist, as for a loop that never settles."""
-    table = Table(title="metrics (of the last step of the reference)", title_justify="left")
+    table = Table(
+        title="metrics of the last step of the reference", title_justify="left", box=box.SIMPLE_HEAD
+    )
     table.add_column("variant")
     units = _units(experiment, results)
-    for name in SHOWN:
-        unit = f" ({units[name]})" if units.get(name) else ""
-        table.add_column(name.replace("_", " ") + unit, justify="right")
+    for name, heading in SHOWN.items():
+        unit = "" if name == "lost_loop" else units.get(name, "")
+        table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)
     for variant, result in results.items():
-        cells = [show(result.metrics.get(name)) for name in SHOWN]
+        cells = [show(name, result.metrics.get(name)) for name in SHOWN]
         table.add_row(experiment.label(variant), *cells)
     return table
 
 
-def show(value: float | None) -> str:
-    """A figure in four digits, or "–"."""
-    return "–" if value is None else f"{value:.4g}"
+def show(name: str, value: float | None) -> str:
+    """A figure in four digits, or "–"; in words whether the loop was lost."""
+    if value is None:
+        return "–"
+    if name == "lost_loop":
+        return "lost" if value else "kept"
+    return f"{value:.4g}"
 
 
 def write_report(experiment: Experiment, results: Results, folder: Path) -> list[Path]:
