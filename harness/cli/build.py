@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from harness import registry
 from harness.cli.notices import notices
+from harness.cli.terminal import console
 from harness.errors import HarnessError, UsageError
 
 
@@ -25,7 +25,7 @@ def build_command(
     portable: Annotated[bool, typer.Option(help="Python packaging, no compiler needed")] = False,
 ) -> None:
     """Write plants as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
-    console = Console(highlight=False, soft_wrap=True)
+    out = console()
     versions = [2] if portable else (fmi or [2, 3])
     for version in versions:
         if version not in (2, 3):
@@ -42,4 +42,8 @@ def build_command(
                     shutil.copyfile(built, target)
                 except OSError as fault:
                     raise HarnessError(f"{target} cannot be written: {fault}") from fault
-                console.print(f"{target}  {target.stat().st_size / 1024:.0f} KiB", markup=False)
+                out.print(
+                    f"{target}  {target.stat().st_size / 1024:.0f} KiB",
+                    markup=False,
+                    soft_wrap=True,
+                )

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from harness.cli.terminal import console
 from harness.fmi.fmu import Fmu
 from harness.fmi.model_description import Capabilities, ModelDescription, Variable
 
@@ -25,11 +25,9 @@ def info_command(
     if as_json:
         typer.echo(json.dumps(_as_data(description, sha256), indent=2, ensure_ascii=False))
         return
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=200)
-    console.print(_identity(description, sha256))
-    console.print(_variables(description))
+    out = console()
+    out.print(_identity(description, sha256))
+    out.print(_variables(description))
 
 
 def _as_data(d: ModelDescription, sha256: str) -> dict[str, Any]:

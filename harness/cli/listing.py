@@ -6,10 +6,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from harness import registry
+from harness.cli.terminal import console
 
 
 def list_command() -> None:
@@ -17,19 +17,19 @@ def list_command() -> None:
     from harness.instruments.imperfections import IMPERFECTIONS
     from harness.instruments.signals import SIGNALS
 
-    console = Console(highlight=False)
+    out = console()
     plants = {name: registry.plant(name).description for name in registry.names(registry.PLANTS)}
-    console.print(_table("plants", plants))
+    out.print(_table("plants", plants))
     controllers = {
         name: _first_line(registry.controller(name))
         for name in registry.names(registry.CONTROLLERS)
     }
-    console.print(_table("controllers", controllers))
+    out.print(_table("controllers", controllers))
     titles = {name: _title(path) for name, path in registry.experiments().items()}
-    console.print(_table("experiments", titles))
-    console.print(_table("signals", {name: _first_line(kind) for name, kind in SIGNALS.items()}))
+    out.print(_table("experiments", titles))
+    out.print(_table("signals", {name: _first_line(kind) for name, kind in SIGNALS.items()}))
     kinds = {name: _first_line(kind) for name, kind in IMPERFECTIONS.items()}
-    console.print(_table("imperfections of wires", kinds))
+    out.print(_table("imperfections of wires", kinds))
 
 
 def _table(title: str, rows: dict[str, str]) -> Table:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import sys
 
 import typer
-from rich.console import Console
 
 from harness.cli import build, info, listing, run, timing
+from harness.cli.terminal import console
 from harness.errors import ExperimentError, HarnessError, UsageError
 
 app = typer.Typer(
@@ -36,15 +36,15 @@ def main(arguments: list[str] | None = None) -> None:
 
 def run_command_line(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    out = console(stderr=True)
     try:
         app(args=arguments)
     except SystemExit as done:  # how typer ends, also after a usage error of its own
         return done.code if isinstance(done.code, int) else int(done.code is not None)
     except (UsageError, ExperimentError) as fault:
-        console.print(f"error: {fault}", markup=False)
+        out.print(f"error: {fault}", markup=False, soft_wrap=True)
         return 2
     except HarnessError as fault:
-        console.print(f"error: {fault}", markup=False)
+        out.print(f"error: {fault}", markup=False, soft_wrap=True)
         return 1
     return 0

@@ -7,20 +7,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rich.console import Console
+from harness.cli.terminal import console
 
 
 @contextmanager
 def notices() -> Iterator[None]:
     """While open, each warning is printed once as "note: …"."""
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    out = console(stderr=True)
     seen: set[str] = set()
 
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
         text = str(message)
         if text not in seen:
             seen.add(text)
-            console.print(f"note: {text}", markup=False)
+            out.print(f"note: {text}", markup=False, soft_wrap=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("default")

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from harness import registry
 from harness.cli.notices import notices
+from harness.cli.terminal import console
 from harness.cli.values import settings
 from harness.errors import HarnessError, UsageError
 
@@ -36,14 +36,14 @@ def run_command(
     from harness.experiment.report import metrics_table, write_report
     from harness.experiment.study import run_study, study_tables
 
-    console = Console(highlight=False)
+    out = console()
     with notices():
         loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
         folder = output or _run_folder(loaded.name)
-        console.print(f"{loaded.name}: {loaded.spec.title}", markup=False, style="bold")
+        out.print(f"{loaded.name}: {loaded.spec.title}", markup=False, soft_wrap=True, style="bold")
         if study:
             if loaded.spec.study is None:
                 raise UsageError(f"{loaded.path} has no table [study]")
@@ -53,8 +53,8 @@ def run_command(
                     loaded, jobs=jobs, progress=lambda share: bar.update(task, completed=share)
                 )
             for table in study_tables(loaded, found):
-                console.print(table)
-            console.print(f"written: {found.write(folder)}", markup=False, soft_wrap=True)
+                out.print(table)
+            out.print(f"written: {found.write(folder)}", markup=False, soft_wrap=True)
             return
         results, faults = {}, {}
         echo = _echo if fmi_logging else None
@@ -73,9 +73,9 @@ def run_command(
                         raise
                     faults[name] = fault
                     results[name] = fault.result
-        console.print(metrics_table(loaded, results))
+        out.print(metrics_table(loaded, results))
         for path in write_report(loaded, results, folder):
-            console.print(f"written: {path}", markup=False, soft_wrap=True)
+            out.print(f"written: {path}", markup=False, soft_wrap=True)
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))
 
@@ -87,7 +87,7 @@ def _bar() -> Progress:
         TextColumn("{task.percentage:3.0f} %"),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
+        console=console(stderr=True),
     )
 
 
@@ -102,4 +102,4 @@ def _run_folder(name: str) -> Path:
 
 
 def _echo(component: str, message: object) -> None:
-    Console(stderr=True, highlight=False).print(f"{component} {message}", markup=False)
+    console(stderr=True).print(f"{component} {message}", markup=False, soft_wrap=True)

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from harness import registry
 from harness.cli.notices import notices
+from harness.cli.terminal import console
 from harness.cli.values import settings
 from harness.clock import show
 
@@ -34,7 +35,7 @@ def timing_command(
     from harness.execution.timing import measure_delays
     from harness.experiment.experiment import Experiment
 
-    console = Console(highlight=False, soft_wrap=True)
+    out = console()
     with notices():
         loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
         chosen = variant or loaded.variants[0]
@@ -42,21 +43,21 @@ def timing_command(
         with opened(system) as fmus:
             plan = plan_system(system, fmus)
             delays = measure_delays(system, fmus)
-    console.print(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
-    _print_schedule(console, plan)
+    out.print(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
+    _print_schedule(out, plan)
     for source, arrivals in delays.items():
-        console.print(_delays(source, arrivals))
+        out.print(_delays(source, arrivals))
 
 
-def _print_schedule(console: Console, plan: Plan) -> None:
+def _print_schedule(out: Console, plan: Plan) -> None:
     from harness.execution.timing import schedule
 
     lines = list(schedule(plan))
     for instant, group in groupby(lines[:_SHOWN], key=lambda line: line[0]):
         for i, (_, text) in enumerate(group):
-            console.print(f"  {instant if i == 0 else '':>10}  {text}", markup=False)
+            out.print(f"  {instant if i == 0 else '':>10}  {text}", markup=False, soft_wrap=True)
     if len(lines) > _SHOWN:
-        console.print(f"  … {len(lines) - _SHOWN} more actions in the cycle")
+        out.print(f"  … {len(lines) - _SHOWN} more actions in the cycle")
 
 
 def _delays(source: Endpoint, arrivals: tuple[Arrival, ...]) -> Table:
