@@ -16,6 +16,7 @@ from harness.errors import ExperimentError, HarnessError, nearest
 from harness.execution.run import Progress
 from harness.experiment.faults import describe
 from harness.experiment.schema import (
+    KINDS,
     ControllerSpec,
     ExperimentSpec,
     FmuSpec,
@@ -25,6 +26,11 @@ from harness.results.result import Result
 from harness.results.step_response import segment_metrics
 
 Table = dict[str, Any]
+
+MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
+"""What is also reported of the response as the controller sees it."""
+
+_DEEPEST = 8  # files that extend one another
 
 
 @dataclass(frozen=True)
@@ -37,17 +43,9 @@ class Experiment:
 
     @classmethod
     def load(cls, path: str | Path, settings: Mapping[str, Any] | None = None) -> Self:
-        """Read a file and change `settings` in it (dotted keys); raises `ExperimentError`."""
+        """Read a file and merge `settings` into it, table by table; raises `ExperimentError`."""
         path = Path(path)
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError) as fault:
-            raise ExperimentError(f"experiment file {path} cannot be read: {fault}") from fault
-        except tomllib.TOMLDecodeError as fault:
-            raise ExperimentError(f"experiment file {path} is no valid TOML: {fault}") from fault
-        for key, value in (settings or {}).items():
-            _set(data, key, value)
-        return cls.from_data(data, path)
+        return cls.from_data(_merge(_read(path), settings or {}), path)
 
     @classmethod
     def from_data(cls, data: Table, path: Path) -> Self:
@@ -115,10 +113,8 @@ class Experiment:
                 bench.signal(name, c.signal, step=c.step, **self._with_paths(c.parameters))
             else:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
-        for wire in spec.connections:
-            bench.connect(
-                wire.source, wire.target, delay=wire.delay, imperfections=wire.imperfections
-            )
+        for target, wire in spec.connections.items():
+            bench.connect(wire.source, target, delay=wire.delay, imperfections=wire.imperfections)
 
     def _with_paths(self, parameters: Table) -> Table:
         """CSV files are named relative to the experiment file."""
@@ -169,6 +165,10 @@ class Experiment:
         if not found:
             return result
         metrics = found[-1].as_dict()
+        if m.measured is not None:
+            arrays = (result.time, result[m.reference], result[m.measured], result[m.control])
+            seen = segment_metrics(*arrays, band=m.band, window=m.window)[-1].as_dict()
+            metrics |= {f"measured_{name}": seen[name] for name in MEASURED}
         if len(found) > 1:
             for i, segment in enumerate(found, 1):
                 metrics |= {f"{i}/{name}": value for name, value in segment.as_dict().items()}
@@ -183,18 +183,46 @@ def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:
         raise ExperimentError("\n".join(describe(where, fault))) from fault
 
 
-def _merge(base: Table, changes: Table) -> Table:
+def _read(path: Path, depth: int = 0) -> Table:
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as fault:
+        raise ExperimentError(f"experiment file {path} cannot be read: {fault}") from fault
+    except tomllib.TOMLDecodeError as fault:
+        raise ExperimentError(f"experiment file {path} is no valid TOML: {fault}") from fault
+    wires = data.get("connections")
+    if isinstance(wires, dict):  # so that a variant can add to a wire that is a plain string
+        data["connections"] = {
+            target: {"from": wire} if isinstance(wire, str) else wire
+            for target, wire in wires.items()
+        }
+    base = data.get("extends")
+    if base is None:
+        return data
+    if not isinstance(base, str) or depth >= _DEEPEST:
+        raise ExperimentError(
+            f"{path}: key extends: must name one other file, in a chain of at most {_DEEPEST}, "
+            f"not {base!r}"
+        )
+    return _merge(_read(path.parent / base, depth + 1), data)
+
+
+def _merge(base: Table, changes: Mapping[str, Any]) -> Table:
+    """`base` with `changes`: tables are merged, everything else is replaced. A component that
+    changes its kind is replaced as a whole."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
-        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _merge(merged[key], value) if both else copy.deepcopy(value)
+        old = merged.get(key)
+        both = isinstance(value, dict) and isinstance(old, dict)
+        merged[key] = (
+            _merge(old, value) if both and not _other_kind(old, value) else (copy.deepcopy(value))
+        )
     return merged
 
 
-def _set(data: Table, key: str, value: Any) -> None:
-    *tables, last = key.split(".")
-    for part in tables:
-        data = data.setdefault(part, {})
-        if not isinstance(data, dict):
-            raise ExperimentError(f"setting {key!r}: {part!r} is a value, not a table")
-    data[last] = value
+def _other_kind(old: Table, new: Table) -> bool:
+    """Whether both say what a component is, and differ."""
+    kinds = [kind for kind in KINDS if kind in new]
+    return any(kind not in old or old[kind] != new[kind] for kind in kinds) and any(
+        kind in old for kind in KINDS
+    )

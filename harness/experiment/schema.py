@@ -2,14 +2,15 @@
 
 A file describes one system, and `variants` that differ from it, to be compared on identical
 disturbances. Components are told apart by the key that says what they are: `fmu`, `controller`,
-`signal` or `sensitivity`.
+`signal` or `sensitivity`. Connections are keyed by the input that they feed. With `extends` a file
+takes over another one, named relative to it, and changes parts of it.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
@@ -76,12 +77,17 @@ ComponentSpec = Annotated[
 
 
 class ConnectionSpec(Strict):
-    """A wire; `imperfections` are tables with a `kind` and its parameters."""
+    """What comes into an input: `from` a port, put on the wire `imperfections` (tables with a
+    `kind`), then a `delay` in seconds. A plain string is the port alone."""
 
     source: str = Field(alias="from")
-    target: str = Field(alias="to")
     delay: float = 0.0
     imperfections: tuple[dict[str, Any], ...] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _port_alone(cls, given: Any) -> Any:
+        return {"from": given} if isinstance(given, str) else given
 
 
 class VariantSpec(BaseModel):
@@ -92,11 +98,15 @@ class VariantSpec(BaseModel):
 
 
 class MeasureSpec(Strict):
-    """The signals that metrics are computed of; `band` and `window` are shares (0 to 1)."""
+    """The signals that metrics are computed of; `band` and `window` are shares (0 to 1).
+
+    `measured` is the response as the controller sees it; its error is reported besides.
+    """
 
     reference: str
     response: str
     control: str
+    measured: str | None = None
     band: float = 0.02
     window: float = 0.1
 
@@ -124,6 +134,7 @@ class ExperimentSpec(Strict):
 
     title: str
     description: str = ""
+    extends: str | None = None
     stop_time: float
     start_time: float = 0.0
     step: float = 0.01
@@ -134,7 +145,7 @@ class ExperimentSpec(Strict):
     fmi_version: Literal[2, 3] = 3
     portable: bool = False
     components: dict[str, ComponentSpec] = Field(min_length=1)
-    connections: tuple[ConnectionSpec, ...] = ()
+    connections: dict[str, ConnectionSpec] = Field(default_factory=dict)
     variants: dict[str, VariantSpec] = Field(default_factory=dict)
     measure: MeasureSpec | None = None
     plots: dict[str, PlotSpec] = Field(default_factory=dict)
