@@ -35,7 +35,9 @@ def test_the_model_turns_a_command_into_the_force_rate_of_the_ideal_one():
 
 def test_2000_n_is_3_85_mm_and_6_4_bar():
     x, u = equilibrium(plant, (0.0, 0.0, 0.0), "force", 2000.0)
-    outputs = dict(zip((v.name for v in plant.outputs), Simulator(plant).outputs(x, u), strict=True))
+    outputs = dict(
+        zip((v.name for v in plant.outputs), Simulator(plant).outputs(x, u), strict=True)
+    )
     assert outputs["position"] - value["stroke"] / 2 == pytest.approx(3.854e-3, rel=1e-3)
     assert outputs["pressure_a"] - outputs["pressure_b"] == pytest.approx(6.4e5, rel=5e-3)
     assert outputs["force_signal"] == pytest.approx(6.0, rel=1e-9)
