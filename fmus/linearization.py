@@ -24,6 +24,17 @@ class EquilibriumError(Exception):
 
 
 @dataclass(frozen=True)
+class WorkingPoint:
+    """Where a plant is usually linearised: held `inputs`, and the `output` brought to `target`
+    by the first input. `description` says it in words."""
+
+    description: str
+    inputs: tuple[float, ...]
+    output: str
+    target: float
+
+
+@dataclass(frozen=True)
 class LinearModel:
     """A, B, C, D about (x, u), all in SI units, shapes (n, n), (n, m), (q, n), (q, m)."""
 
@@ -71,7 +82,7 @@ def equilibrium(
     The free input integrates the output's error, du/dt = 0.02 (target − y)/y_nominal, and linearly
     implicit Euler with growing steps follows that loop from the start state to rest, so that the
     way there is physical; its last steps are Newton's. Raises `EquilibriumError` when they do not
-    converge to 1e-10 of the nominals.
+    converge to 1e-10 of the nominals, so also when y falls as the input rises.
     """
     f, h = plant_functions(plant)
     p = parameter_values(plant)

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from math import pi
 from types import SimpleNamespace
 
+from fmus.linearization import WorkingPoint
 from fmus.physics.axis_interface import (
     DISPLAY_UNITS,
     axis_output_values,
@@ -91,4 +92,9 @@ plant = Plant(
     equations=equations,
     stop_time=2.0,
     display_units=DISPLAY_UNITS,
+)
+
+WORKING_POINTS = (
+    WorkingPoint("at rest without force", (0.0, 0.0), "position", 0.05),
+    WorkingPoint("mid-stroke against 2000 N", (0.0, 2000.0), "position", 0.05),
 )

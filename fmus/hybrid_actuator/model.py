@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from math import pi
 from types import SimpleNamespace
 
+from fmus.linearization import WorkingPoint
 from fmus.physics.axis_interface import (
     DISPLAY_UNITS,
     axis_output_values,
@@ -134,4 +135,10 @@ plant = Plant(
     equations=equations,
     stop_time=2.0,
     display_units=DISPLAY_UNITS,
+)
+
+WORKING_POINTS = (
+    WorkingPoint("at rest without force", (0.0, 0.0, 0.0), "force", 0.0),
+    WorkingPoint("holding 2000 N", (0.0, 0.0, 0.0), "force", 2000.0),
+    WorkingPoint("holding 15 kN", (0.0, 0.0, 0.0), "force", 15e3),
 )

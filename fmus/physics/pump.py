@@ -9,7 +9,7 @@ Of the shaft power T ω the oil gets ṁ Δh; b ω² is friction, and the rest,
 
     D ω⁺ (Δp − ρ_b Δh) + D ω⁻ (ρ_a Δh − Δp) ≥ 0,
 
-is lost where thin oil meets the dense line (h is concave along ρ). A suction line near vapour
+is lost where thin oil meets the dense line (v = dh/dp falls with p). A suction line near vapour
 pressure therefore starves the pump instead of falling further.
 """
 

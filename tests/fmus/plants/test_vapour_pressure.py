@@ -25,7 +25,7 @@ def assert_above_vapour_pressure(run: Run) -> None:
     assert run.output("pressure_b").min() > vapour
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=6, deadline=None, derandomize=True)
 @given(commands, speeds)
 def test_hybrid_actuator(command, speed):
     simulator = Simulator(hybrid)
@@ -38,7 +38,7 @@ def test_hybrid_actuator(command, speed):
     assert_above_vapour_pressure(simulator.run(inputs, SLOT * 8, rtol=1e-5))
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=6, deadline=None, derandomize=True)
 @given(commands, forces)
 def test_disturbance_generator(command, force):
     simulator = Simulator(generator)

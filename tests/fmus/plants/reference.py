@@ -1,0 +1,81 @@
+"""Reference trajectories of the plants: Radau with rtol 1e-10 over held inputs.
+
+    python -m tests.fmus.plants.reference         writes fmus/<plant>/reference.csv
+
+Row k holds time k·0.01 s, the inputs that are applied from then on until the next row, and the
+states and outputs at that time under those inputs. Columns are named as in the plant.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from math import cos, pi, sin
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import fmus
+from fmus.plant import Plant
+from tests.fmus.plants.bench import Simulator, disturbance_generator, hybrid_actuator
+
+STOP_TIME = 0.4
+RTOL = 1e-10
+
+
+def hybrid_inputs(t: float) -> tuple[float, ...]:
+    """A step of the command, then a sine that pulls the spring; the environment moves ±1 mm."""
+    command = 0.0 if t < 0.02 else 0.15 if t < 0.2 else 0.25 * cos(2 * pi * 2.5 * (t - 0.1))
+    pace = 2 * pi * 4
+    return command, 1e-3 * sin(pace * t), 1e-3 * pace * cos(pace * t)
+
+
+def generator_inputs(t: float) -> tuple[float, ...]:
+    """A sine of the command against a spring force that swings between 0 and 3 kN."""
+    command = 0.3 * sin(2 * pi * 3 * t) + (0.2 if t >= 0.3 else 0.0)
+    return command, 1500.0 * (1 - cos(2 * pi * 2 * t))
+
+
+CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
+    (hybrid_actuator, hybrid_inputs),
+    (disturbance_generator, generator_inputs),
+)
+
+
+def path(plant: Plant) -> Path:
+    """Where the trajectory of a plant lies."""
+    return Path(fmus.__file__).parent / plant.name / "reference.csv"
+
+
+def header(plant: Plant) -> list[str]:
+    """Column names."""
+    return ["time", *(v.name for v in (*plant.inputs, *plant.states, *plant.outputs))]
+
+
+def trajectory(
+    plant: Plant, inputs: Callable[[float], tuple[float, ...]], rtol: float = RTOL
+) -> NDArray[np.float64]:
+    """Rows of the reference file, shape (N + 1, columns)."""
+    run = Simulator(plant).run(inputs, STOP_TIME, rtol)
+    return np.column_stack([run.time, run.u, run.x, run.y])
+
+
+def read(plant: Plant) -> tuple[list[str], NDArray[np.float64]]:
+    """Header and rows of the file."""
+    with path(plant).open(newline="") as file:
+        names, *rows = csv.reader(file)
+    return names, np.array(rows, dtype=float)
+
+
+def main() -> None:
+    """Write the files."""
+    for plant, inputs in CASES:
+        with path(plant).open("w") as file:
+            file.write(",".join(f'"{name}"' for name in header(plant)) + "\n")
+            for row in trajectory(plant, inputs):
+                file.write(",".join(format(value, ".17g") for value in row) + "\n")
+
+
+if __name__ == "__main__":
+    main()
