@@ -238,7 +238,7 @@ class FuzzyPIDLaw(PIDLaw):
             system.n_weights,
         ]
         scales = [1.0 / self.error_range, 1.0 / self.error_rate_range]
-        law = self.law_parameters(sample_time, self.ki[1])
+        law = self.law_parameters(sample_time, max(self.ki, key=abs))
         return np.concatenate([law, gains, scales, sizes, *structures])
 
     def thetas(self) -> Array:

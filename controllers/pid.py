@@ -149,7 +149,7 @@ class PIDLaw:
     derivative_on       "error", or "measurement" (no kick when the reference jumps)
     integration         "trapezoidal", "backward" or "forward" rectangle
     anti_windup         "conditional", "back_calculation" or "none"
-    tracking_time       T_t of back-calculation [s]
+    tracking_time       T_t of back-calculation, at least the sample time [s]
     u_min, u_max        limits of the output [output_unit]
     bias                added to the output [output_unit]
     measured_unit       unit of reference and measured, an FMI-style string
@@ -184,11 +184,15 @@ class PIDLaw:
         )
 
     def law_parameters(self, sample_time: float, ki_tracking: float) -> Array:
-        """p[0:N_LAW]; `ki_tracking` is the K_i of back-calculation, the largest in force."""
-        require_positive(f"{type(self).__name__}.block: sample_time", sample_time)
+        """p[0:N_LAW]; `ki_tracking` is the K_i of back-calculation, the largest in magnitude."""
+        name = type(self).__name__
+        require_positive(f"{name}.block: sample_time", sample_time)
+        slow = self.anti_windup != "back_calculation" or self.tracking_time >= sample_time
+        expected = f"not below the sample time {sample_time:g} s"
+        require(slow, f"{name}.tracking_time", expected, self.tracking_time)
         filtered = self.derivative_filter > 0.0
         alpha = math.exp(-sample_time / self.derivative_filter) if filtered else 0.0
-        k_t = 1.0 / (ki_tracking * self.tracking_time) if ki_tracking > 0.0 else 0.0
+        k_t = 1.0 / (ki_tracking * self.tracking_time) if ki_tracking != 0.0 else 0.0
         return np.array(
             [
                 sample_time,
@@ -255,9 +259,7 @@ class PID(PIDLaw):
 
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
-        law = self.law_parameters(sample_time, abs(self.ki))
-        if self.ki < 0.0:
-            law[K_T] = -law[K_T]
+        law = self.law_parameters(sample_time, self.ki)
         return Block(
             inputs=self.law_inputs(),
             outputs=self.law_outputs(),

@@ -10,9 +10,14 @@ filters of the three axes turn θ_k into θ_{k+1}. Two ways of putting the insta
 
 With Q = 0 nothing moves (P_0 = 0) and the block is bit-equal to `FuzzyPID`.
 
-What the method does, whatever the plant: with a sensitivity above 0, (39) and (41) give the
-weights of the P axis the step K·e with the sign of e·ΔK_p·e ≥ 0. K_p can only be raised by it, by
-noise too; the D axis goes with the sign of e·de/dt and the I axis with that of e·∫e dt.
+A sensitivity that comes in as an input belongs to the instant at which it comes in: with
+"causal" it is used one instant later, together with the H of its own instant.
+
+What the method does, whatever the plant: the first-order change of U_p at the inputs of H is
+h·P·hᵀ times the innovation, where h has the sign of ∂y/∂u·e. With ∂y/∂u > 0 and "paper" that is
+the sign of e_k·e_k ≥ 0: K_p can only be raised there, by measurement noise as well as by error.
+With "causal" it is the sign of e_{k−1}·e_k, in which white measurement noise cancels in the mean.
+In the same way K_d goes with e·de/dt and K_i with e·∫e dt.
 
 The step function, and how its arrays are laid out, is in `controllers.tuned_step`.
 """

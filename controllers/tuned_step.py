@@ -56,8 +56,8 @@ T_NOISE = T_SCORE + N_SCORE
 
 # State of the tuner, after that of the fuzzy PID; then one block per axis, then the work space.
 S_SEEN, S_Y, S_U, S_U_BEFORE, S_SENSITIVITY, S_SATURATED, S_INNOVATION = range(7)
-S_GAMMA, S_NIS = 7, 10
-S_AXES = 13
+S_GAMMA, S_NIS, S_GIVEN = 7, 10, 13  # S_GIVEN: sensitivity input of the instant before
+S_AXES = 14
 
 # Outputs after those of the fuzzy PID: sensitivity, then three of each; then θ of p, i, d.
 Y_SENSITIVITY = N_FUZZY_OUTPUT
@@ -153,7 +153,11 @@ def tune(p: Array, x: Array, u: Array) -> None:
     x_t = x[tuner_at(p) :]
     instants = 1.0 + t[T_CAUSAL]
     if t[T_FROM_INPUT] > 0.0:
-        x_t[S_SENSITIVITY] = limit(u[2], t[T_LOW], t[T_HIGH])
+        given = u[2]
+        if t[T_CAUSAL] > 0.0:
+            given = x_t[S_GIVEN]
+        if x_t[S_SEEN] >= t[T_CAUSAL]:
+            x_t[S_SENSITIVITY] = limit(given, t[T_LOW], t[T_HIGH])
     elif x_t[S_SEEN] >= instants:
         x_t[S_SENSITIVITY] = quotient(
             x_t[S_SENSITIVITY],
@@ -216,5 +220,7 @@ def tuned_fuzzy_pid_step(p: Array, x: Array, u: Array, y: Array) -> None:
     if t[T_CAUSAL] == 0.0:
         tune(p, x, u)
     x_t[S_Y] = u[1]
+    if t[T_FROM_INPUT] > 0.0:
+        x_t[S_GIVEN] = u[2]
     x_t[S_SEEN] = x_t[S_SEEN] + 1.0
     show_tuner(p, x, y)

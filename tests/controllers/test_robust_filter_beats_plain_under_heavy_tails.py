@@ -49,10 +49,10 @@ def test_under_contaminated_noise_the_robust_filter_wins() -> None:
 
 
 def test_under_gaussian_noise_it_costs_little() -> None:
-    # Efficiency of the p-point location estimator at the Gaussian is above 0.9 for p = 0.05.
+    # At the Gaussian the p-point score with p = 0.05 loses a few per cent in efficiency.
     errors = squared_errors(0.0)
     low, high = interval(errors[:, 1] / errors[:, 0])
-    assert 1.0 < high < 1.15, (low, high)
+    assert high < 1.05, (low, high)
 
 
 @pytest.mark.parametrize("outlier", [10.0, 1e3, 1e9])
