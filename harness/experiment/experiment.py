@@ -80,9 +80,21 @@ class Experiment:
             raise ExperimentError(
                 f"{self.path}: no variant {variant!r}; {nearest(variant, self.variants)}"
             )
-        changes = {k: v for k, v in self.data["variants"][variant].items() if k != "label"}
+        changes = self._changes(variant)
         merged = _merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
         return _checked(merged, self.path, f"variants.{variant}")
+
+    def _changes(self, variant: str, depth: int = 0) -> Table:
+        """What a variant changes, with what it takes over from the one that it is `like`."""
+        own = self.data["variants"][variant]
+        changes = {k: v for k, v in own.items() if k not in ("label", "like")}
+        like = own.get("like")
+        if like is None:
+            return changes
+        if like not in self.spec.variants or depth >= _DEEPEST:
+            hint = nearest(str(like), [name for name in self.variants if name != variant])
+            raise ExperimentError(f"{self.path}: key variants.{variant}.like {like!r}: {hint}")
+        return _merge(self._changes(like, depth + 1), changes, whole=False)
 
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
         """The bench of a variant, with another `seed` if given."""
@@ -207,22 +219,23 @@ def _read(path: Path, depth: int = 0) -> Table:
     return _merge(_read(path.parent / base, depth + 1), data)
 
 
-def _merge(base: Table, changes: Mapping[str, Any]) -> Table:
+def _merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Table:
     """`base` with `changes`: tables are merged, everything else is replaced. A component that
-    changes its kind is replaced as a whole."""
+    becomes another one is replaced as a `whole`, so that no parameters of the old one remain."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
         old = merged.get(key)
-        both = isinstance(value, dict) and isinstance(old, dict)
-        merged[key] = (
-            _merge(old, value) if both and not _other_kind(old, value) else (copy.deepcopy(value))
-        )
+        if isinstance(value, dict) and isinstance(old, dict) and not (whole and _other(old, value)):
+            merged[key] = _merge(old, value, whole=whole)
+        else:
+            merged[key] = copy.deepcopy(value)
     return merged
 
 
-def _other_kind(old: Table, new: Table) -> bool:
-    """Whether both say what a component is, and differ."""
-    kinds = [kind for kind in KINDS if kind in new]
-    return any(kind not in old or old[kind] != new[kind] for kind in kinds) and any(
-        kind in old for kind in KINDS
-    )
+def _other(old: Table, new: Table) -> bool:
+    """Whether both tables say what a component is, and differ in it."""
+    said = [
+        {kind: table[kind] for kind in KINDS if isinstance(table.get(kind), str)}
+        for table in (old, new)
+    ]
+    return bool(said[0]) and bool(said[1]) and said[0] != said[1]

@@ -91,10 +91,12 @@ class ConnectionSpec(Strict):
 
 
 class VariantSpec(BaseModel):
-    """What a variant changes: any part of the file, merged table by table."""
+    """What a variant changes: any part of the file, merged table by table. `like` names another
+    variant whose changes it takes over first."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     label: str | None = None
+    like: str | None = None
 
 
 class MeasureSpec(Strict):
