@@ -16,8 +16,9 @@ A sensitivity that comes in as an input belongs to the instant at which it comes
 What the method does, whatever the plant: the first-order change of U_p at the inputs of H is
 h·P·hᵀ times the innovation, where h has the sign of ∂y/∂u·e. With ∂y/∂u > 0 and "paper" that is
 the sign of e_k·e_k ≥ 0: K_p can only be raised there, by measurement noise as well as by error.
-With "causal" it is the sign of e_{k−1}·e_k, in which white measurement noise cancels in the mean.
-In the same way K_d goes with e·de/dt and K_i with e·∫e dt.
+With "causal" it is the sign of e_{k−1}·e_k, in which white measurement noise itself cancels in
+the mean, though not the slower motion that it excites in the loop. In the same way K_d goes with
+e·de/dt and K_i with e·∫e dt.
 
 The step function, and how its arrays are laid out, is in `controllers.tuned_step`.
 """
