@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
 from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
-from harness.clock import show, to_seconds
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
 from harness.fmi.instance import FATAL, FmuInstance

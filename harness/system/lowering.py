@@ -15,9 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.clock import to_seconds
+from harness.instruments.imperfections import Imperfection
 from harness.system.check import Descriptions, inputs_of, outputs_of
 from harness.system.delay import delay_block
-from harness.instruments.imperfections import Imperfection
 from harness.system.graph import (
     BlockComponent,
     Component,
@@ -119,7 +119,7 @@ class _Chain:
 
     def add_imperfection(self, imperfection: Imperfection) -> None:
         rate = self.link_rate
-        name = self._name(imperfection.kind)
+        name = self._name(getattr(imperfection, "kind", type(imperfection).__name__.lower()))
         block = imperfection.block(to_seconds(rate.period_ns))
         self.made.append(BlockComponent(name, block, rate.period_ns, rate.phase_ns))
         self.wires.append(Wire(self.end, Endpoint(name, block.inputs[0].name)))
