@@ -5,7 +5,7 @@ At each instant, in this order (the timing contract):
     0  delay lines whose value arrives now
     1  signals are sampled, FMU outputs are read, sensitivities computed
     2  blocks that are due compute, in the order of their wires
-    3  what they computed goes to the FMU inputs, a row is recorded
+    3  what they computed goes to the FMU inputs and into delay lines, a row is recorded
     4  FMUs step to their next instant
 
 Jacobi and Gauss–Seidel differ in part 4 only: Jacobi writes all inputs and then steps all FMUs;
@@ -95,6 +95,7 @@ class _Planner:
         self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
+        self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
         self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
@@ -263,9 +264,9 @@ class _Planner:
     def _actions(self, offset: int) -> Iterator[Action]:
         due = [name for name, instants in self.due.items() if offset in instants]
         sampled = [c for c in self.blocks if offset in self._sample_offsets(c)]
-        for c in self.lowered.sampled:
-            if isinstance(c, DelayComponent) and offset in self._sample_offsets(c):
-                yield from self._compute(c)
+        for c in self.delays:
+            if offset in self._sample_offsets(c):
+                yield Compute(c.name)
         yield from (Sample(c.name) for c in sampled if isinstance(c, SignalComponent))
         yield from self._staged(self.stages, due)
         yield from (Linearise(c.name) for c in sampled if isinstance(c, SensitivityComponent))
@@ -273,6 +274,9 @@ class _Planner:
             if not isinstance(c, (SignalComponent, SensitivityComponent)):
                 yield from self._compute(c)
         yield from self._apply(due)
+        for c in self.delays:
+            if (offset - c.source_phase_ns) % c.period_ns == 0:
+                yield Transfer(tuple(self.wires_to[c.name]))
         if offset % self.system.record_ns == 0:
             yield Record()
         yield from self._steps(offset, due)
