@@ -42,7 +42,8 @@ class CompiledStep:
 
 
 def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by compile_step
-    step(carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,)))  # type: ignore[name-defined]  # noqa: F821
+    arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
+    step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
 
 
@@ -66,8 +67,8 @@ def compile_step(block: Block) -> CompiledStep:
         compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
-            f"step function {_label(block.step)} cannot be compiled: {_first_line(fault)}; write it "
-            "with scalars, loops and the math module only, or run it as a plain Python block"
+            f"step function {_label(block.step)} cannot be compiled: {_first_line(fault)}; write "
+            "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
     return CompiledStep(compiled.address, compiled)
 
@@ -94,7 +95,7 @@ def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
         value = scope[name]
         if isinstance(value, FunctionType) or hasattr(value, "py_func"):
             scope[name] = _rebuild(value, done, digest)
-        elif isinstance(value, _SCALARS) or isinstance(value, tuple):
+        elif isinstance(value, (*_SCALARS, tuple)):
             digest.update(f"{name}={value!r};".encode())
         elif isinstance(value, np.ndarray):
             digest.update(name.encode() + value.tobytes())

@@ -19,9 +19,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import to_seconds
 from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
-from harness.clock import to_seconds
 from harness.execution.faults import explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
@@ -194,11 +194,11 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
     if outcome != op.OK:
         raise explain(program, instances, outcome)
     program.clock[:] = 0
-    for component in plan.lowered.sampled:
-        if isinstance(component, DelayComponent):
-            held = program.v[program.layout.slots[Endpoint(component.name, "in")]]
-            program.states[component.name][1:] = held
-            program.v[program.layout.slots[Endpoint(component.name, "out")]] = held
+    for delay in plan.lowered.sampled:
+        if isinstance(delay, DelayComponent):
+            held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
+            program.states[delay.name][1:] = held
+            program.v[program.layout.slots[Endpoint(delay.name, "out")]] = held
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program

@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
 
@@ -71,7 +70,7 @@ ComponentSpec = Annotated[
     Discriminator(
         _kind,
         custom_error_type="component_kind",
-        custom_error_message="must have exactly one of the keys fmu, controller, signal, sensitivity",
+        custom_error_message=f"must have exactly one of the keys {', '.join(KINDS)}",
     ),
 ]
 
