@@ -14,6 +14,7 @@ import dis
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -53,8 +54,13 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
+    return _compile(block.step, sizes)
+
+
+@lru_cache(maxsize=256)
+def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
     digest = hashlib.sha256(repr(sizes).encode())
-    step = _rebuild(block.step, {}, digest)
+    step = _rebuild(function, {}, digest)
     scope = {
         **globals(),
         "step": step,
@@ -67,7 +73,7 @@ def compile_step(block: Block) -> CompiledStep:
         compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
-            f"step function {_label(block.step)} cannot be compiled: {_first_line(fault)}; write "
+            f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
             "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
     return CompiledStep(compiled.address, compiled)

@@ -120,23 +120,20 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     descriptions = {name: fmu.description for name, fmu in fmus.items()}
     system = plan.lowered.system
     sources = {c.target: c.source for c in system.connections}
-    columns = []
-    for end in plan.recorded:
-        component = system.component(end.component)
-        ports = {**inputs_of(component, descriptions), **outputs_of(component, descriptions)}
-        unit, seen = ports[end.variable].unit, {end}
-        while unit is None and end in sources and sources[end] not in seen:
-            end = sources[end]
-            seen.add(end)
-            unit = outputs_of(system.component(end.component), descriptions)[end.variable].unit
-        described = ports.get(end.variable)
-        columns.append(
-            Column("", unit.name if unit else "", described.description if described else "")
-        )
-    return tuple(
-        Column(str(end), column.unit, column.description)
-        for end, column in zip(plan.recorded, columns, strict=True)
-    )
+    ports = {
+        Endpoint(c.name, name): info
+        for c in system.components
+        for known in (inputs_of(c, descriptions), outputs_of(c, descriptions))
+        for name, info in known.items()
+    }
+
+    def unit_of(end: Endpoint, hops: int = 8) -> str:
+        unit = ports[end].unit
+        if unit is None and end in sources and hops:
+            return unit_of(sources[end], hops - 1)
+        return unit.name if unit is not None else ""
+
+    return tuple(Column(str(end), unit_of(end), ports[end].description) for end in plan.recorded)
 
 
 def execute(
