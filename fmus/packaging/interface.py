@@ -18,6 +18,10 @@ from math import isfinite
 from fmus.packaging.errors import PackagingError
 from fmus.plant import Parameter, Plant, State, Variable
 
+# The solver's tolerance where the importer asks for none; that of state i is this times
+# (nominal_i + |x_i|).
+RELATIVE_TOLERANCE = 1e-5
+
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 

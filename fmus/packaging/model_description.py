@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from fmus.packaging.codegen import MAIN_SOURCE
-from fmus.packaging.interface import Interface
+from fmus.packaging.interface import RELATIVE_TOLERANCE, Interface
 from fmus.packaging.structure import ModelStructure, Unknown
 from fmus.packaging.units import base_unit
 from fmus.plant import DisplayUnit, Plant
 
-TOLERANCE = 1e-5
 LOG_CATEGORIES = {
     "logEvents": "Life cycle of the instance",
     "logSolver": "Substeps of each communication step",
@@ -205,7 +204,7 @@ def _experiment(plant: Plant) -> Attributes:
     return {
         "startTime": "0",
         "stopTime": repr(float(plant.stop_time)),
-        "tolerance": repr(TOLERANCE),
+        "tolerance": repr(RELATIVE_TOLERANCE),
         "stepSize": repr(float(plant.step_size)),
     }
 

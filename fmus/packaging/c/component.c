@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEFAULT_TOLERANCE = 1e-5;
-
 #include "logging.c"
 #include "variables.c"
 #include "derivatives.c"
@@ -34,7 +32,7 @@ static Status component_reset(Component *component) {
     memset(state, 0, sizeof *state); /* padding too: stored states are compared as bytes */
     state->kind = kind;
     state->mode = MODE_INSTANTIATED;
-    state->relative_tolerance = DEFAULT_TOLERANCE;
+    state->relative_tolerance = MODEL_TOLERANCE;
     memcpy(state->x, model_x_start, N_X * sizeof(double));
     memcpy(state->u, model_u_start, N_U * sizeof(double));
     memcpy(state->p, model_p_start, N_P * sizeof(double));
@@ -135,7 +133,7 @@ static Status component_setup(Component *component, const char *call, bool toler
                              "%s: stop time %g s does not follow start time %g s.", call,
                              stop_time, start_time);
     }
-    state->relative_tolerance = tolerance_defined ? tolerance : DEFAULT_TOLERANCE;
+    state->relative_tolerance = tolerance_defined ? tolerance : MODEL_TOLERANCE;
     state->time = start_time;
     state->stop_time_defined = stop_time_defined;
     state->stop_time = stop_time_defined ? stop_time : 0.0;

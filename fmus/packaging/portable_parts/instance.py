@@ -15,8 +15,6 @@ from typing import Any
 from . import rodas4
 from .model import Model
 
-_TOLERANCE = 1e-5
-
 
 @dataclass
 class _Values:
@@ -41,7 +39,7 @@ class Instance:
         """Start values throughout."""
         self._model = model
         self._values = _Values(
-            0.0, _TOLERANCE, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
+            0.0, model.relative_tolerance, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
         )
 
     def setup_experiment(
