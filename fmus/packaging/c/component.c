@@ -110,7 +110,7 @@ static Status component_change_mode(Component *component, const char *call, int 
     const Status status = component_check_mode(component, call, legal);
     if (status == STATUS_OK) {
         component->state.mode = next;
-        component_log(component, STATUS_OK, LOG_EVENTS, "%s: entered the state '%s' at %.17g s.",
+        component_log(component, STATUS_OK, LOG_EVENTS, "%s: entered the state '%s' at %.12g s.",
                       call, mode_name(next), component->state.time);
     }
     return status;
@@ -168,12 +168,12 @@ static Status check_step(const Component *component, const char *call, double ti
     }
     if (!(fabs(time - state->time) <= time_slack(time))) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step starts at %.17g s, but the instance stands at %.17g s.",
+                             "%s: the step starts at %.12g s, but the instance stands at %.12g s.",
                              call, time, state->time);
     }
     if (state->stop_time_defined && time + step > state->stop_time + time_slack(time + step)) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step ends at %.17g s, behind the stop time %.17g s.", call,
+                             "%s: the step ends at %.12g s, behind the stop time %.12g s.", call,
                              time + step, state->stop_time);
     }
     return STATUS_OK;
@@ -218,7 +218,7 @@ static Status component_do_step(Component *component, const char *call, double t
             state->mode = MODE_FAILED;
             return component_log(
                 component, STATUS_ERROR, LOG_ERROR,
-                "%s: the step from %.17g s over %.17g s failed at %.17g s: %s (state '%s'). "
+                "%s: the step from %.12g s over %.12g s failed at %.12g s: %s (state '%s'). "
                 "The values are those before the step.",
                 call, time, step, time + report.reached, reason(result),
                 model_names[STATE_REFERENCE + report.worst_state]);
@@ -230,7 +230,7 @@ static Status component_do_step(Component *component, const char *call, double t
     invalidate(component);
     if (component->log_categories & LOG_SOLVER) {
         component_log(component, STATUS_OK, LOG_SOLVER,
-                      "%s: at %.17g s after %lu substeps and %lu rejected ones.", call,
+                      "%s: at %.12g s after %lu substeps and %lu rejected ones.", call,
                       state->time, (unsigned long)report.accepted,
                       (unsigned long)report.rejected);
     }
