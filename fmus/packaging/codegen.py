@@ -86,9 +86,7 @@ def model_source(expressions: PlantExpressions, fmi_version: int, token: str) ->
     )
 
 
-def source_files(
-    expressions: PlantExpressions, fmi_version: int, token: str
-) -> dict[str, bytes]:
+def source_files(expressions: PlantExpressions, fmi_version: int, token: str) -> dict[str, bytes]:
     """All files of the folder `sources`, by name."""
     names = (*RUNTIME_FILES, f"fmi{fmi_version}.c", f"fmi{fmi_version}.h")
     files = {name: (RUNTIME / name).read_bytes().replace(b"\r\n", b"\n") for name in names}

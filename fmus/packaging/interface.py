@@ -91,7 +91,8 @@ def _check_names(interface: Interface) -> None:
 
 
 def _check_values(plant: Plant) -> None:
-    for variable in (*plant.states, *plant.inputs, *plant.outputs):
+    variables: tuple[State | Variable, ...] = (*plant.states, *plant.inputs, *plant.outputs)
+    for variable in variables:
         if not (isfinite(variable.start) and isfinite(variable.nominal) and variable.nominal > 0):
             raise PackagingError(
                 f"Plant {plant.name!r}: {variable.name!r} needs a finite start and a nominal above "

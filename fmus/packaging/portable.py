@@ -33,7 +33,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from {package}.equations import MODEL
-from {package}.instance import Instance, StepFailed
+from {package}.instance import Instance, StepError
 
 
 class {name}(Fmi2Slave):
@@ -47,7 +47,7 @@ class {name}(Fmi2Slave):
     def do_step(self, current_time, step_size):
         try:
             self._instance.do_step(current_time, step_size)
-        except StepFailed as failure:
+        except StepError as failure:
             self.log(str(failure), Fmi2Status.error)
             return False
         return True

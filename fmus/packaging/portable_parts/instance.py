@@ -28,7 +28,7 @@ class _Values:
     p: list[float]
 
 
-class StepFailed(Exception):
+class StepError(Exception):
     """A step failed; the values are those before it. The message is for the log."""
 
 
@@ -51,7 +51,7 @@ class Instance:
             self._values.relative_tolerance = tolerance
 
     def do_step(self, current_time: float, step_size: float) -> None:
-        """Step, or raise StepFailed and keep the values as they were."""
+        """Step, or raise StepError and keep the values as they were."""
         values, model = self._values, self._model
         problem = rodas4.Problem(
             lambda x: model.derivatives(x, values.u, values.p),
@@ -65,8 +65,8 @@ class Instance:
                 values.x, values.substep = rodas4.integrate(
                     problem, step_size, values.x, values.substep
                 )
-            except rodas4.StepFailure as failure:
-                raise StepFailed(
+            except rodas4.IntegrationError as failure:
+                raise StepError(
                     f"The step from {current_time!r} s over {step_size!r} s failed {failure}. "
                     "The values are those before the step."
                 ) from failure

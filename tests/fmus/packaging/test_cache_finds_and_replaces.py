@@ -12,6 +12,7 @@ import pytest
 
 import fmus.packaging.archive as archive
 from fmus.packaging import PackagingError, PortableFallback, cached_fmu, fmu_file
+from fmus.plant import Plant
 from tests.fmus.packaging.plants import oscillator, static_gain
 
 WITHOUT_COMPILER = """
@@ -41,9 +42,14 @@ def test_the_second_call_takes_milliseconds_and_no_generation(
 def test_equations_that_close_over_a_value_are_generated_anew(version: int) -> None:
     """Such a value is invisible in sources and data: each must give its own FMU."""
 
-    def scaled(factor: float):  # noqa: ANN202
-        return replace(static_gain, equations=lambda x, u, p: ({}, {
-            "product": factor * p.gain * u.a * u.b, "sum": u.a + u.b}))
+    def scaled(factor: float) -> Plant:
+        return replace(
+            static_gain,
+            equations=lambda x, u, p: (
+                {},
+                {"product": factor * p.gain * u.a * u.b, "sum": u.a + u.b},
+            ),
+        )
 
     assert cached_fmu(scaled(1.0), version) != cached_fmu(scaled(2.0), version)
     assert cached_fmu(scaled(1.0), version) == cached_fmu(scaled(1.0), version)
@@ -73,9 +79,7 @@ def test_builders_at_once_leave_one_whole_file(
     assert [p.name for p in paths[0].parent.iterdir()] == ["static_gain.fmu"]
 
 
-def test_a_failed_build_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FMU_HARNESS_CACHE", str(tmp_path))
     monkeypatch.setattr("fmus.packaging.compiler.FLAGS", ("-no-such-flag",))
     with pytest.raises(PackagingError, match="no-such-flag"):

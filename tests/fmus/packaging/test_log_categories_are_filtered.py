@@ -23,9 +23,7 @@ def test_with_debug_logging_all_categories_speak(new_instance: NewInstance, vers
 
 
 @pytest.mark.parametrize("category", ["logEvents", "logSolver"])
-def test_only_the_chosen_category(
-    new_instance: NewInstance, version: int, category: str
-) -> None:
+def test_only_the_chosen_category(new_instance: NewInstance, version: int, category: str) -> None:
     instance = new_instance(oscillator, version, start=False)
     instance.fmu.setDebugLogging(True, [category])
     instance.initialize()
