@@ -344,9 +344,13 @@ class _Planner:
     def _initial_actions(self) -> Iterator[Action]:
         names = list(self.fmus)
         yield from self._staged(self.stages, names)
-        for component in self.lowered.sampled:
+        stated = {c.name for c in self.system.components}
+        for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
                 yield Transfer(tuple(self.wires_to[component.name]))
+                if component.name not in stated:  # what is on a wire passes its source's value on
+                    ends = (component.inputs[0].name, component.outputs[0].name)
+                    yield Transfer((Wire(*(Endpoint(component.name, end) for end in ends)),))
         wires = tuple(wire for name in names for wire in self.wires_to[name])
         if wires:
             yield Transfer(wires)

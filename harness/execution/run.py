@@ -195,7 +195,6 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
         if isinstance(delay, DelayComponent):
             held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
             program.states[delay.name][1:] = held
-            program.v[program.layout.slots[Endpoint(delay.name, "out")]] = held
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program
