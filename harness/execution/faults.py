@@ -10,6 +10,7 @@ from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
 from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
+from harness.execution.exchange import encode
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
 from harness.fmi.instance import FATAL, FmuInstance
@@ -37,6 +38,8 @@ def explain(
         )
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
+    if outcome == op.OUT_OF_RANGE:
+        return SimulationError(_out_of_range(program, instances, when))
     if name in program.callbacks:
         return _python_fault(program, name, now, when)
     status = int(program.clock[STATUS])
@@ -56,6 +59,18 @@ def _not_finite(program: Program, name: str, when: str) -> str:
     everywhere = [*program.layout.slots.items(), *program.layout.ahead.items()]
     port = next((end for end, place in everywhere if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
+
+
+def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: str) -> str:
+    _, kind, first, last, *_ = map(int, program.code[int(program.clock[OPERATION])])
+    room = np.zeros(8, dtype=np.uint8)
+    slot = next(s for s in range(first, last) if not encode(kind, program.v[s : s + 1], room, 0))
+    port = next(end for end, place in program.layout.slots.items() if place == slot)
+    type_name = instances[port.component].description.variable(port.variable).type
+    return (
+        f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
+        "saturate what is wired to it"
+    )
 
 
 def _python_fault(program: Program, name: str, now: int, when: str) -> SimulationError:
