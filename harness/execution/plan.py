@@ -97,6 +97,7 @@ class _Planner:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
         self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
+        self._check_phases()
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
@@ -125,6 +126,17 @@ class _Planner:
         )
 
     # rates
+
+    def _check_phases(self) -> None:
+        for c in self.lowered.sampled:
+            rate = rate_of(c)
+            if rate.phase_ns < 0:
+                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
+            if rate.phase_ns >= rate.period_ns:
+                raise TimingError(
+                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
+                    f"{show(rate.period_ns)}"
+                )
 
     def _check_rates(self) -> None:
         for wire in self.lowered.wires:
@@ -173,13 +185,6 @@ class _Planner:
                 f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
                 f"{text}"
             )
-        for c in self.lowered.sampled:
-            if rate_of(c).phase_ns >= rate_of(c).period_ns:
-                rate = rate_of(c)
-                raise TimingError(
-                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
-                    f"{show(rate.period_ns)}"
-                )
 
     def _check_stop(self) -> None:
         length = self.system.stop_ns - self.system.start_ns

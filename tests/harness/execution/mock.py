@@ -226,5 +226,3 @@ class MockFmu:
     def instantiate(self, name: str, *, logging: bool = False, echo: Any = None) -> MockInstance:
         self.instances.append(MockInstance(self, name, echo))
         return self.instances[-1]
-
-

@@ -110,7 +110,5 @@ class Executor:
 def run_cycles(program, instants, span, clock, v, copies, scales, samples, cursors, exchange,
                recorded, rows, times):  # type: ignore[no-untyped-def]  # fmt: skip
     """The same arguments and outcomes as the compiled loop."""
-    executor = Executor(
-        clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times
-    )
+    executor = Executor(clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times)
     return executor.run(program, instants, span)

@@ -133,9 +133,7 @@ class Simulation:
                 self.apply(target, self.incoming(wire, now, known))
         return self.models[end.component].get(end.variable)
 
-    def incoming(
-        self, wire: Connection, now: int, known: Mapping[Endpoint, float] | None
-    ) -> float:
+    def incoming(self, wire: Connection, now: int, known: Mapping[Endpoint, float] | None) -> float:
         """What a wire brings to an FMU input at `now`."""
         factor, offset = self.conversions[wire]
         if wire.delay_ns:
