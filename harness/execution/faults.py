@@ -21,7 +21,10 @@ from harness.system.lowering import rate_of
 def explain(
     program: Program, instances: Mapping[str, FmuInstance], outcome: int
 ) -> SimulationError:
-    """The fault behind `outcome` of the loop; an exception of a Python block is its cause."""
+    """The fault behind `outcome` of the loop; an exception of a Python block is its cause.
+
+    What Ctrl-C or `sys.exit` raised inside a Python block is raised again as it is.
+    """
     now = int(program.clock[INSTANT])
     action = program.owners[int(program.clock[OPERATION])]
     when = f"at t = {to_seconds(now):.9g} s"
@@ -41,6 +44,9 @@ def explain(
     if outcome == op.OUT_OF_RANGE:
         return SimulationError(_out_of_range(program, instances, when))
     if name in program.callbacks:
+        fault = program.callbacks[name].fault
+        if fault is not None and not isinstance(fault, Exception):
+            raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
         return _python_fault(program, name, now, when)
     status = int(program.clock[STATUS])
     instance = instances[_fmu_of(program, action)]
