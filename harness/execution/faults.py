@@ -62,8 +62,7 @@ def explain(
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
     slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
-    everywhere = [*program.layout.slots.items(), *program.layout.ahead.items()]
-    port = next((end for end, place in everywhere if place == slot), name)
+    port = next((end for end, place in program.layout.places() if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
 
 

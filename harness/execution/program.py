@@ -150,7 +150,7 @@ class _Linker:
     def _transfer(self, action: Transfer) -> list[int]:
         first = len(self.copies)
         for wire in action.wires:
-            source = self.layout.slot(wire.source, ahead=action.ahead)
+            source = self.layout.slot(wire.source, action.view)
             self.copies.append((source, self.layout.slots[wire.target]))
             self.scales.append((wire.factor, wire.offset))
         return [op.COPY, first, len(self.copies)]
@@ -198,7 +198,7 @@ class _Linker:
 
     def _read(self, action: Read) -> Iterable[list[int]]:
         for suffix, kind, ends in self._groups(action.component, action.outputs):
-            first = self.layout.slot(ends[0], ahead=action.ahead)
+            first = self.layout.slot(ends[0], action.view)
             yield from self._access("Get", action.component, suffix, kind, ends, first)
             if kind in (FLOAT64, op.FLOAT32):
                 yield [op.CHECK, first, first + len(ends)]
