@@ -18,6 +18,10 @@ from harness.fmi.logger import STATUS_NAMES
 from harness.system.lowering import rate_of
 
 
+class EndRequestedError(SimulationError):
+    """An FMU asked for the end of the run before its stop time; no call failed."""
+
+
 def explain(
     program: Program, instances: Mapping[str, FmuInstance], outcome: int
 ) -> SimulationError:
@@ -30,7 +34,7 @@ def explain(
     when = f"at t = {to_seconds(now):.9g} s"
     name = getattr(action, "component", "?")
     if outcome == op.TERMINATED:
-        return SimulationError(
+        return EndRequestedError(
             f"component {name}: the FMU asked for the end of the run in the step {when}: "
             f"{instances[name].log.reasons()}"
         )
