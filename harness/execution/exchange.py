@@ -1,7 +1,8 @@
 """Float64 slots to and from the integers, booleans and floats of an FMU's C interface.
 
 Signals are float64 inside the harness: whole numbers up to 2^53 are exact. Rounding is to the
-nearest, ties to even; a boolean is whatever is not zero.
+nearest, ties to even; a boolean is whatever is not zero. A number outside the range of its C type
+is refused: it would come out as another one.
 """
 
 from __future__ import annotations
@@ -13,12 +14,28 @@ from numba import njit
 
 from harness.execution import operations as op
 
+_SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
+_LOWEST = (
+    -np.inf, -(2.0**7), 0.0, -(2.0**15), 0.0, -(2.0**31), 0.0, -(2.0**63), 0.0,
+    -_SINGLE * (1.0 - 2.0**-52), -np.inf,
+)  # fmt: skip
+_BEYOND = (
+    np.inf, 2.0**7, 2.0**8, 2.0**15, 2.0**16, 2.0**31, 2.0**32, 2.0**63, 2.0**64,
+    _SINGLE, np.inf,
+)  # fmt: skip
+"""By kind: the lowest number that it holds, and the first one beyond the highest."""
+
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def encode(kind: int, values: Any, exchange: Any, start: int) -> None:
-    """Write float64 `values` (n,) as C numbers of `kind` from byte `start` (a multiple of 8)."""
+def encode(kind: int, values: Any, exchange: Any, start: int) -> bool:
+    """Write float64 `values` (n,) as C numbers of `kind` from byte `start` (a multiple of 8).
+
+    False when one of them is out of range; then nothing may be read from there.
+    """
     space = exchange[start:]
     for i in range(values.shape[0]):
+        if not _LOWEST[kind] <= np.rint(values[i]) < _BEYOND[kind]:
+            return False
         if kind == op.BOOL8:
             space[i] = np.uint8(values[i] != 0.0)
         elif kind == op.BOOL32:
@@ -35,6 +52,7 @@ def encode(kind: int, values: Any, exchange: Any, start: int) -> None:
             space.view(np.uint64)[i] = np.uint64(np.rint(values[i]))
         else:
             space.view(np.int64)[i] = np.int64(np.rint(values[i]))
+    return True
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]

@@ -89,7 +89,8 @@ def run_cycles(
                     row_times[row] = now
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
-                    encode(o[1], v[o[2] : o[3]], exchange, o[4])
+                    if not encode(o[1], v[o[2] : o[3]], exchange, o[4]):
+                        return op.OUT_OF_RANGE
                 elif code == op.DECODE:
                     decode(o[1], v[o[2] : o[3]], exchange, o[4])
                 elif code == op.CALL_7:

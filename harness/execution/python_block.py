@@ -50,7 +50,7 @@ class PythonCallback:
                 result: Any = function(clock[INSTANT] / NANOSECONDS, *read())
                 if single:
                     outputs[0] = result if result.__class__ is float else float(result)
-                else:
+                elif names:  # a sink has no outputs and may return anything
                     _store(outputs, result, names)
             except BaseException as fault:
                 self.fault = fault
