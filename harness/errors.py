@@ -14,8 +14,8 @@ from typing import Any
 class HarnessError(Exception):
     """Base of all faults reported by the harness.
 
-    `result` holds the rows that a run recorded before the fault (a `harness.results.result.Result`),
-    or None where there was no run.
+    `result` holds the rows that a run recorded before the fault (a `Result`), or None where there
+    was no run.
     """
 
     result: Any = None
