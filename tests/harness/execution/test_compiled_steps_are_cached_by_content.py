@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -30,6 +31,13 @@ def step(p, x, u, y):
 """
 
 
+@pytest.fixture(autouse=True)
+def no_modules_are_left() -> Iterator[None]:
+    yield
+    for name in ("helpers", "steps", "notebook"):
+        sys.modules.pop(name, None)
+
+
 def module(name: str, text: str) -> ModuleType:
     made = ModuleType(name)
     sys.modules[name] = made
@@ -41,7 +49,6 @@ def address(helpers: str = HELPERS, step: str = STEP, sizes: int = 1) -> int:
     module("helpers", helpers)
     ports = tuple(Port(f"u{i}") for i in range(sizes))
     block = KernelBlock(ports, (Port("y"),), module("steps", step).step)
-    del sys.modules["helpers"], sys.modules["steps"]
     return compile_step(block).address
 
 
@@ -73,7 +80,6 @@ def test_sizes_belong_to_the_code() -> None:
 def test_a_global_number_changed_in_a_notebook_is_noticed() -> None:
     steps = module("notebook", "GAIN = 2.0\ndef step(p, x, u, y):\n    y[0] = GAIN * u[0]\n")
     block = KernelBlock((Port("u"),), (Port("y"),), steps.step)
-    del sys.modules["notebook"]
     first = compile_step(block).address
     steps.GAIN = 3.0  # type: ignore[attr-defined]
     assert compile_step(block).address != first

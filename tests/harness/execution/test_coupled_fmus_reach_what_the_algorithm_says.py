@@ -1,4 +1,4 @@
-"""Jacobi steps all FMUs with the values of the beginning; Gauss–Seidel passes on what is reached."""
+"""Jacobi steps all FMUs with the values of the beginning; Gauss–Seidel uses what is reached."""
 
 from dataclasses import replace
 
