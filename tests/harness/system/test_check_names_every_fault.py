@@ -130,4 +130,7 @@ def test_blocks_that_wait_for_each_other() -> None:
 
 def test_recording_what_is_not_there() -> None:
     text = judge(*GOOD, record=("plant.forc",))
-    assert text == "nothing to record matches 'plant.forc'; did you mean 'plant.force'?"
+    assert (
+        text
+        == "nothing to record matches 'plant.forc'; did you mean 'plant.force' or 'plant.position'?"
+    )
