@@ -148,7 +148,7 @@ def _directional(root: Any) -> frozenset[str]:
     names = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
     return frozenset(
         str(element.tag)
-        for element in root
+        for element in root.iterchildren("*")  # comments are no interfaces
         if any(element.get(name, "").strip() in ("true", "1") for name in names)
     )
 

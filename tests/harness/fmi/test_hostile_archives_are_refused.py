@@ -120,6 +120,16 @@ def test_documents_that_are_not_valid(
         Fmu(bad)
 
 
+def test_comments_are_harmless(tmp_path: Path) -> None:
+    source = oscillator_fmu(3)
+    xml = member(source, "modelDescription.xml")
+    commented = xml.replace(b"<ModelVariables>", b"<!-- by hand --><?tool x?><ModelVariables>")
+    assert commented != xml
+    with Fmu(rewritten(source, tmp_path / "a.fmu", modelDescription_dot_xml=commented)) as fmu:
+        assert fmu.description.co_simulation is not None
+        assert fmu.description.co_simulation.provides_directional_derivatives
+
+
 def test_the_folder_lives_as_long_as_the_fmu(temporary: Path) -> None:
     with Fmu(oscillator_fmu(3)) as fmu:
         assert fmu.folder.parent == temporary and (fmu.folder / "modelDescription.xml").is_file()
