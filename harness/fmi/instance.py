@@ -24,6 +24,7 @@ from harness.fmi.library import library_path, load
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
 from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
 
+DISCARD = 2
 FATAL = 4
 Value = float | int | bool | str
 
@@ -139,6 +140,10 @@ class FmuInstance(ABC):
     @abstractmethod
     def do_step(self, time: float, step: float) -> None:
         """Step from `time` by `step` (s)."""
+
+    def asks_for_the_end(self) -> bool:
+        """Whether a discarded step means that the FMU wishes the simulation to end."""
+        return False
 
     # values
 
