@@ -78,7 +78,7 @@ def fmu_file(
 def _fallback_notice(plant: Plant) -> str:
     return (
         f"No C compiler found: {plant.name!r} becomes a portable FMU, which needs Python where it "
-        "runs, steps some hundred times slower and exists for FMI 2 co-simulation only; install a "
+        "runs, steps about thirty times slower and exists for FMI 2 co-simulation only; install a "
         "C compiler or `pip install fmu-harness[zig]` for the native one."
     )
 

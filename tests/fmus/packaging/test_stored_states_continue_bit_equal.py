@@ -52,7 +52,11 @@ def test_foreign_and_damaged_bytes_are_refused(new_instance: NewInstance, versio
     data = other.fmu.serializeFMUState(stored)
     other.fmu.freeFMUState(stored)
     instance = new_instance(hydraulic, version)
-    for wrong in (data, b"", data[:-1]):
+    stored = instance.fmu.getFMUState()
+    own = instance.fmu.serializeFMUState(stored)
+    instance.fmu.freeFMUState(stored)
+    other_token = own[:12] + bytes([own[12] ^ 1]) + own[13:]
+    for wrong in (data, b"", own[:-1], other_token):
         with pytest.raises(Exception, match="status 3"):
             instance.fmu.deserializeFMUState(wrong)
         assert "no state of this FMU" in instance.texts("logStatusError")[-1]
