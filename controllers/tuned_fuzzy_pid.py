@@ -25,7 +25,7 @@ The step function, and how its arrays are laid out, is in `controllers.tuned_ste
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +38,8 @@ from controllers.errors import (
     require_not_negative,
     require_positive,
 )
-from controllers.fuzzy_pid import AXES, FuzzyPIDLaw
+from controllers.fuzzy_pid import AXES, LABELS, FuzzyPIDLaw
+from controllers.membership_view import Curves, axis_curves
 from controllers.p_point import PPoint, gaussian_score
 from controllers.pid import limit
 from controllers.tuned_step import S_AXES, S_SENSITIVITY, tuned_fuzzy_pid_step
@@ -201,6 +202,15 @@ class TunedFuzzyPID(FuzzyPIDLaw):
             ),
             state=np.concatenate([self.fuzzy_state(), self.tuner_state()]),
         )
+
+    def membership_curves(self, values: Mapping[str, float]) -> dict[str, tuple[Curves, ...]]:
+        """Curves of the axes P, I and D, from the values of the `mf_` outputs at one instant."""
+        found = {}
+        for axis in AXES:
+            names = [s.name for s in self.tuner_outputs() if s.name.startswith(f"mf_{axis}_")]
+            theta = np.array([values[name] for name in names])
+            found[axis.upper()] = axis_curves(theta, self.classes, LABELS, f"weights of U_{axis}")
+        return found
 
 
 def _three(name: str, value: float | Sequence[float]) -> tuple[float, float, float]:
