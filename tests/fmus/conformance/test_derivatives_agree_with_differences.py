@@ -107,9 +107,9 @@ def test_after_steps_they_are_those_of_the_state_reached(
     stepped.fmu.freeInstance()
 
 
+@pytest.mark.parametrize("version", [3], indirect=True)
 def test_adjoint_is_the_transpose(point: Point, excited: Excited) -> None:
-    if point.instance.version == 2:
-        pytest.skip("FMI 2 has no adjoint derivatives")
+    """FMI 2 has none."""
     point.move(excited.states[24], excited.inputs[24])
     references = point.instance.references
     columns = [references[name] for name in point.knowns]
