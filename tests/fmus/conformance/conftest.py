@@ -7,9 +7,12 @@ cache of the suite's own, so they come from the sources at hand.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from fmus.plant import Plant
 from harness import registry
@@ -57,8 +60,13 @@ def excited(plant: Plant, version: int) -> Excited:
     return excite(plant, version)
 
 
-@pytest.fixture(scope="package")
-def exact(plant: Plant) -> object:
-    """States of the excited plant by Radau, shape (rows, states)."""
+@cache
+def _exact(plant: Plant) -> NDArray[np.float64]:
     run = excite(plant, 3)
     return held_reference(plant, run.inputs, run.step)
+
+
+@pytest.fixture
+def exact(plant: Plant) -> NDArray[np.float64]:
+    """States of the excited plant by Radau, shape (rows, states); computed once a plant."""
+    return _exact(plant)
