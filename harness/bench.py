@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -157,8 +158,10 @@ class Bench:
     ) -> None:
         """A signal by its kind ("step", "sine", "white_noise", …) with parameters, or as a source.
         Its output is `name.value`, sampled every `step`."""
-        made = make_signal(source, parameters) if isinstance(source, str) else source
-        self._add(SignalComponent(name, made, self._period(step, f"step of {name}")))
+        if isinstance(source, str):
+            with _named(f"component {name}"):
+                source = make_signal(source, parameters)
+        self._add(SignalComponent(name, source, self._period(step, f"step of {name}")))
 
     def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
@@ -187,8 +190,9 @@ class Bench:
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
         those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds.
         """
-        put = [_imperfection(one) for one in imperfections]
-        put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
+        with _named(f"connection {source} -> {target}"):
+            put = [_imperfection(one) for one in imperfections]
+            put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
         label = f"delay of {source} -> {target}"
         self._connections.append(
             Connection(
@@ -279,6 +283,15 @@ def run_system(
         outcome.fault.result = result
         raise outcome.fault
     return result
+
+
+@contextmanager
+def _named(place: str) -> Iterator[None]:
+    """Faults in the parameters of what stands at `place` say so."""
+    try:
+        yield
+    except ExperimentError as fault:
+        raise ExperimentError(f"{place}: {fault}") from fault
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
