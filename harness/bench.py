@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,7 @@ from harness.fmi.logger import LogMessage
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
+from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
@@ -224,15 +225,17 @@ class Bench:
         progress: Progress | None = None,
         echo: Echo | None = None,
         experiment: Mapping[str, Any] | None = None,
+        needed: Iterable[str] = (),
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
         A run that ends early raises its fault, whose attribute `result` holds the rows so far.
-        `echo(component, message)` sees the messages of FMUs; `experiment` goes to the manifest.
+        `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
+        manifest; signals that are `needed` afterwards are looked for before the run begins.
         """
         return run_system(
             self.system(), folder, record=self.record, progress=progress, echo=echo,
-            experiment=experiment,
+            experiment=experiment, needed=needed,
         )  # fmt: skip
 
     def _add(self, component: Component) -> None:
@@ -264,18 +267,19 @@ def run_system(
     progress: Progress | None = None,
     echo: Echo | None = None,
     experiment: Mapping[str, Any] | None = None,
+    needed: Iterable[str] = (),
 ) -> Result:
     """Check, plan and run a system; see `Bench.run`."""
     with opened(system) as fmus:
         plan = plan_system(system, fmus, tuple(record))
+        columns = columns_of(plan, fmus)
+        _check_needed(needed, columns)
         manifest = Manifest(
             fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
             seeds={"seed": system.seed},
             experiment=dict(experiment or {}),
         )
-        recording = Recording(
-            columns_of(plan, fmus), None if folder is None else Path(folder), manifest
-        )
+        recording = Recording(columns, None if folder is None else Path(folder), manifest)
         with recording:
             outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
             result = recording.finish("" if outcome.fault is None else str(outcome.fault))
@@ -292,6 +296,15 @@ def _named(place: str) -> Iterator[None]:
         yield
     except ExperimentError as fault:
         raise ExperimentError(f"{place}: {fault}") from fault
+
+
+def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
+    names = [column.name for column in columns]
+    for name in needed:
+        if name not in names:
+            raise UsageError(
+                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
+            )
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
