@@ -8,6 +8,7 @@ the clock on the wall, so that a busy machine disturbs less; all sides are singl
 from __future__ import annotations
 
 import ctypes
+import math
 import subprocess
 import time
 from collections.abc import Callable
@@ -22,9 +23,8 @@ from fmpy.fmi3 import FMU3Slave
 
 from benchmarks.lag import Lag
 from benchmarks.pi import STEP, PlainPI, pi_block
+from benchmarks.timed_run import timed_run
 from harness.bench import Bench
-from harness.execution.run import columns_of, execute, opened, plan_system
-from harness.results.recording import Recording
 
 RECORDED = ("plant.y", "controller.u")
 
@@ -45,22 +45,6 @@ def bare_c(lag: Lag, record: bool, steps: int) -> Measured:
     return Measured(float(nanoseconds), (float.fromhex(y), float.fromhex(u)))
 
 
-class _Stopwatch:
-    """Notes when the first and the last chunk of a run ended."""
-
-    def __init__(self) -> None:
-        self.marks: list[tuple[float, float]] = []
-
-    def __call__(self, share: float) -> None:
-        now = time.thread_time()
-        self.marks = [*self.marks[:1], (share, now)]
-
-    def nanoseconds(self, instants: int) -> float:
-        """Between those two moments, for one of `instants`."""
-        (first, began), (last, ended) = self.marks
-        return 1e9 * (ended - began) / ((last - first) * instants)
-
-
 def harness_loop(lag: Lag, controller: Any, record: bool, steps: int) -> Measured:
     """Our loop through `plan_system` and `execute`, with everything that a run does."""
     bench = Bench(stop_time=steps * STEP, step=STEP)
@@ -68,17 +52,9 @@ def harness_loop(lag: Lag, controller: Any, record: bool, steps: int) -> Measure
     bench.controller("controller", controller)
     bench.connect("plant.y", "controller.y")
     bench.connect("controller.u", "plant.u")
-    system = bench.system()
-    stopwatch = _Stopwatch()
-    with opened(system) as fmus:
-        plan = plan_system(system, fmus, RECORDED if record else ())
-        with Recording(columns_of(plan, fmus)) as recording:
-            outcome = execute(plan, fmus, recording, progress=stopwatch)
-            result = recording.finish()
-    if outcome.fault is not None:
-        raise outcome.fault
-    last = tuple(float(result[name][-1]) for name in RECORDED) if record else None
-    return Measured(stopwatch.nanoseconds(steps + 1), last)  # type: ignore[arg-type]
+    run = timed_run(bench.system(), RECORDED if record else ())
+    y, u = (run.result[name][-1] if record else math.nan for name in RECORDED)
+    return Measured(run.nanoseconds, (float(y), float(u)) if record else None)
 
 
 def compiled(lag: Lag, record: bool, steps: int) -> Measured:
