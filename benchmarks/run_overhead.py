@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -114,22 +115,25 @@ def loops(lag: Lag, n: int, steps: int) -> Bench:
     return bench
 
 
+def per_step(system: System, record: tuple[str, ...], shares: int = 1) -> float:
+    """ns per macro step, divided by `shares`."""
+    return timed_run(system, record).nanoseconds / shares
+
+
 def recording_and_signals(lag: Lag, steps: int, repeats: int) -> dict[str, float]:
     """ns per macro step for one more of each."""
     bare = wide_system(lag, steps, {})
     sides: dict[str, Callable[[], float]] = {
-        "nothing": lambda: timed_run(bare, ("plant0.y",)).nanoseconds,
-        "recorded column": lambda: timed_run(bare, ("plant0.y", "wide.*")).nanoseconds,
+        "nothing": partial(per_step, bare, ("plant0.y",)),
+        "recorded column": partial(per_step, bare, ("plant0.y", "wide.*")),
     }
     for kind in ("sine", "white_noise"):
         system = wide_system(lag, steps, {f"signal{i}": kind for i in range(SIGNALS)})
-        sides[f"signal, {kind}"] = lambda system=system: (  # type: ignore[misc]
-            timed_run(system, ("plant0.y",)).nanoseconds
-        )
+        sides[f"signal, {kind}"] = partial(per_step, system, ("plant0.y",))
     measured = {name: series.minimum for name, series in interleaved(sides, repeats).items()}
     nothing = measured.pop("nothing")
-    each = {"recorded column": COLUMNS}
-    return {name: (ns - nothing) / each.get(name, SIGNALS) for name, ns in measured.items()}
+    more = {"recorded column": COLUMNS}
+    return {name: (ns - nothing) / more.get(name, SIGNALS) for name, ns in measured.items()}
 
 
 def scaling(lag: Lag, steps: int, repeats: int) -> dict[int, tuple[float, float]]:
@@ -137,12 +141,10 @@ def scaling(lag: Lag, steps: int, repeats: int) -> dict[int, tuple[float, float]
     systems = {n: loops(lag, n, steps // n).system() for n in LOOPS}
     sides: dict[str, Callable[[], float]] = {}
     for n, system in systems.items():
-        for record in (("*",), ()):
-            sides[f"{n} {len(record)}"] = lambda n=n, system=system, record=record: (  # type: ignore[misc]
-                timed_run(system, record).nanoseconds / n
-            )
+        sides[f"{n} recorded"] = partial(per_step, system, ("*",), n)
+        sides[f"{n} bare"] = partial(per_step, system, (), n)
     measured = interleaved(sides, repeats)
-    return {n: (measured[f"{n} 1"].minimum, measured[f"{n} 0"].minimum) for n in LOOPS}
+    return {n: (measured[f"{n} recorded"].minimum, measured[f"{n} bare"].minimum) for n in LOOPS}
 
 
 def planning(lag: Lag, actions: int) -> tuple[int, float, float]:
