@@ -70,6 +70,7 @@ class Bench:
         fmi_version: int = 3,
         portable: bool = False,
     ) -> None:
+        """Raises `TimingError` where a time is no whole number of nanoseconds."""
         self.start_ns = to_nanoseconds(start_time, "start_time")
         self.stop_ns = to_nanoseconds(stop_time, "stop_time")
         self.step_ns = to_period(step, "step")

@@ -7,6 +7,7 @@ Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
 from __future__ import annotations
 
 import importlib
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import files
 from pathlib import Path
@@ -34,9 +35,14 @@ class Plant(Protocol):
         """The path of its FMU, built when it is not there yet."""
 
 
+@cache
+def _entries(group: str) -> dict[str, EntryPoint]:
+    return {entry.name: entry for entry in entry_points(group=group)}
+
+
 def names(group: str) -> list[str]:
     """The registered names of a group, sorted."""
-    return sorted(entry_points(group=group).names)
+    return sorted(_entries(group))
 
 
 def plant(name: str) -> Plant:
@@ -53,7 +59,7 @@ def controller(name: str) -> Any:
 def experiments() -> dict[str, Path]:
     """All experiment files by name, such as "ahn2009/figure_7"."""
     found = {}
-    for entry in entry_points(group=EXPERIMENTS):
+    for entry in _entries(EXPERIMENTS).values():
         root = Path(str(files(entry.value)))
         for path in sorted(root.glob("*/*.toml")):
             found[f"{path.parent.name}/{path.stem}"] = path
@@ -74,7 +80,7 @@ def experiment(name: str) -> Path:
 
 
 def _load(group: str, name: str, what: str) -> Any:
-    known: dict[str, EntryPoint] = {entry.name: entry for entry in entry_points(group=group)}
+    known = _entries(group)
     if name in known:
         return known[name].load()
     if ":" not in name:

@@ -6,8 +6,9 @@ build at once.
 
 Generating the files just to learn the key takes some milliseconds and an import of CasADi. A note
 beside the FMU spares that: it is filed under a hash of the plant's data and of every Python and C
-file of the package that the equations come from. Where equations could carry anything else
-(closures, defaults, other packages than their own), no note is used.
+file of the package that the equations come from. Equations that carry more than their source shows
+(closures, defaults, lambdas) get no note; those that lean on a package other than their own,
+CasADi and the standard library should not be changed there without emptying the cache.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
-from fmus.packaging.compiler import Compiler, find_compiler, running_platform
+from fmus.packaging.compiler import FLAGS, Compiler, find_compiler, running_platform
 from fmus.packaging.errors import PackagingError, PortableFallback
 from fmus.plant import Plant
 
@@ -77,7 +78,7 @@ def fmu_file(
 def _fallback_notice(plant: Plant) -> str:
     return (
         f"No C compiler found: {plant.name!r} becomes a portable FMU, which needs Python where it "
-        "runs, steps some hundred times slower and exists for FMI 2 co-simulation only; install a "
+        "runs, steps about thirty times slower and exists for FMI 2 co-simulation only; install a "
         "C compiler or `pip install fmu-harness[zig]` for the native one."
     )
 
@@ -95,7 +96,7 @@ def _build(plant: Plant, fmi_version: int, compiler: Compiler | None) -> Path:
             _write_atomically(path, lambda part: write_portable_fmu(portable, part))
         return path
     native = native_content(plant, fmi_version)
-    made_by = f"{compiler.identity} {running_platform().tuple}"
+    made_by = f"{compiler.identity} {FLAGS} {running_platform().tuple}"
     path = _place(plant.name, content_hash(native.files), made_by)
     if not path.exists():
         _write_atomically(path, lambda part: write_native_fmu(native, compiler, part))
@@ -142,9 +143,9 @@ def _plant_fingerprint(plant: Plant) -> str | None:
     roots = [Path(path) for path in getattr(package, "__path__", [])]
     if not roots:
         return None
-    data = [repr(getattr(plant, field.name)) for field in fields(plant) if field.type]
-    data[[field.name for field in fields(plant)].index("equations")] = equations.__qualname__
-    parts = [equations.__module__, *data, version("casadi"), sys.version, _own_sources()]
+    data = [repr(getattr(plant, f.name)) for f in fields(plant) if f.name != "equations"]
+    parts = [equations.__module__, equations.__qualname__, *data]
+    parts += [version("casadi"), version("pythonfmu"), sys.version, _own_sources()]
     parts += [_source_hash(root) for root in roots]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 

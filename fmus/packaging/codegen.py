@@ -15,6 +15,7 @@ import casadi as ca
 
 from fmus.packaging.emit import C, statements
 from fmus.packaging.expressions import PlantExpressions
+from fmus.packaging.interface import RELATIVE_TOLERANCE
 
 RUNTIME = Path(__file__).parent / "c"
 RUNTIME_FILES = (
@@ -101,6 +102,7 @@ def _definitions(
         "FMI_VERSION": fmi_version,
         "MODEL_IDENTIFIER": interface.plant.name,
         "MODEL_TOKEN": f'"{token}"',
+        "MODEL_TOLERANCE": RELATIVE_TOLERANCE,
         "N_X": len(interface.plant.states),
         "N_U": len(interface.plant.inputs),
         "N_Y": len(interface.outputs),

@@ -24,6 +24,14 @@ _FMI2_FOLDERS = {
     "x86_64-windows": "win64",
     "x86_64-darwin": "darwin64",
 }
+# Zig would tune for the CPU and the C library of this very machine; an FMU travels.
+_ZIG_TARGETS = {
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-darwin": "x86_64-macos.11.0",
+    "aarch64-darwin": "aarch64-macos.11.0",
+}
 
 
 @dataclass(frozen=True)
@@ -70,8 +78,9 @@ def _find_compiler(environment_cc: str, _path: str) -> Compiler | None:
     for command in candidates:
         if shutil.which(command[0]) and (identity := _identity(command)):
             return Compiler(command, identity)
-    if importlib.util.find_spec("ziglang") is not None:
-        zig = (sys.executable, "-m", "ziglang", "cc")
+    if importlib.util.find_spec("ziglang") is not None and running_platform().tuple in _ZIG_TARGETS:
+        target = _ZIG_TARGETS[running_platform().tuple]
+        zig = (sys.executable, "-m", "ziglang", "cc", "-target", target)
         if identity := _identity(zig):
             return Compiler(zig, identity)
     return None

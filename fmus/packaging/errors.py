@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class PackagingError(Exception):
-    """A plant cannot be made into an FMU; the message names the plant, the place and the way out."""
+    """A plant cannot become an FMU; the message names the plant, the place and the way out."""
 
 
 class PortableFallback(UserWarning):

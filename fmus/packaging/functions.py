@@ -91,10 +91,10 @@ class PlantFunctions:
         guess = self.x_start if x_guess is None else np.asarray(x_guess, dtype=float)
 
         def scaled_f(z: Array) -> Array:
-            return self.f(z * nominal, u, p) / nominal
+            return np.asarray(self.f(z * nominal, u, p) / nominal)
 
         def scaled_f_x(z: Array) -> Array:
-            return self.f_x(z * nominal, u, p) * nominal / nominal[:, None]
+            return np.asarray(self.f_x(z * nominal, u, p) * nominal / nominal[:, None])
 
         solution = least_squares(
             scaled_f, guess / nominal, scaled_f_x, xtol=1e-15, ftol=1e-15, gtol=1e-15, x_scale="jac"
@@ -102,10 +102,10 @@ class PlantFunctions:
         worst = int(np.argmax(np.abs(solution.fun)))
         if not abs(solution.fun[worst]) <= tolerance:
             state = self.plant.states[worst]
+            rate = f"{solution.fun[worst] * state.nominal:g} {state.unit}"
             raise PackagingError(
-                f"Plant {self.plant.name!r}: no equilibrium found for u = {u}; {state.name!r} "
-                f"still moves by {solution.fun[worst] * state.nominal:g} {state.unit} a second. "
-                "Give another x_guess or input."
+                f"Plant {self.plant.name!r}: no equilibrium found for u = {np.asarray(u)}; "
+                f"{state.name!r} still moves by {rate} a second. Give another x_guess or input."
             )
         return np.asarray(solution.x * nominal, dtype=float)
 

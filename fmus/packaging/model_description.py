@@ -6,16 +6,15 @@ of content and stands in for itself while it is computed (`archive.py`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from fmus.packaging.codegen import MAIN_SOURCE
-from fmus.packaging.interface import Interface
+from fmus.packaging.interface import RELATIVE_TOLERANCE, Interface
 from fmus.packaging.structure import ModelStructure, Unknown
 from fmus.packaging.units import base_unit
+from fmus.packaging.variables import VariableEntry, variable_entries
 from fmus.plant import DisplayUnit, Plant
 
-TOLERANCE = 1e-5
 LOG_CATEGORIES = {
     "logEvents": "Life cycle of the instance",
     "logSolver": "Substeps of each communication step",
@@ -23,91 +22,6 @@ LOG_CATEGORIES = {
     "logStatusError": "Errors, always sent",
 }
 Attributes = dict[str, str]
-
-
-@dataclass(frozen=True)
-class VariableEntry:
-    """One variable of the XML in neutral form; the value reference is its place in the list."""
-
-    name: str
-    causality: str
-    variability: str
-    unit: str
-    description: str = ""
-    initial: str | None = None
-    start: float | None = None
-    nominal: float = 1.0
-    minimum: float | None = None
-    maximum: float | None = None
-    derivative_of: int | None = None
-
-
-def variable_entries(interface: Interface) -> list[VariableEntry]:
-    """Every variable in the order of value references."""
-    plant = interface.plant
-    states, derivatives = [], []
-    for reference, s in enumerate(plant.states, start=1):
-        causality = "output" if s.name in interface.state_outputs else "local"
-        states.append(
-            VariableEntry(
-                s.name, causality, "continuous", s.unit, s.description, "exact", s.start, s.nominal
-            )
-        )
-        derivatives.append(
-            VariableEntry(
-                f"der({s.name})",
-                "local",
-                "continuous",
-                rate_unit(s.unit),
-                f"Time derivative of {s.name}",
-                "calculated",
-                derivative_of=reference,
-            )
-        )
-    return [
-        VariableEntry("time", "independent", "continuous", "s", "Simulation time"),
-        *states,
-        *derivatives,
-        *(
-            VariableEntry(
-                v.name, "input", "continuous", v.unit, v.description, None, v.start, v.nominal
-            )
-            for v in plant.inputs
-        ),
-        *(
-            VariableEntry(
-                v.name,
-                "output",
-                "continuous",
-                v.unit,
-                v.description,
-                "calculated",
-                nominal=v.nominal,
-            )
-            for v in interface.outputs
-        ),
-        *(
-            VariableEntry(
-                p.name,
-                "parameter",
-                "tunable" if p.tunable else "fixed",
-                p.unit,
-                p.description,
-                "exact",
-                p.value,
-                minimum=p.minimum,
-                maximum=p.maximum,
-            )
-            for p in plant.parameters
-        ),
-    ]
-
-
-def rate_unit(unit: str) -> str:
-    """The unit of a time derivative."""
-    if unit in ("1", "-", ""):
-        return "1/s"
-    return f"{unit}/s" if "/" not in unit else f"({unit})/s"
 
 
 def model_description(
@@ -143,7 +57,8 @@ def model_description(
 def xml_bytes(root: ET.Element) -> bytes:
     """Indented UTF-8 with a declaration and a final newline."""
     ET.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, "utf-8") + b"\n"
+    text = ET.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
 
 
 def _root(plant: Plant, fmi_version: int, token: str) -> ET.Element:
@@ -205,7 +120,7 @@ def _experiment(plant: Plant) -> Attributes:
     return {
         "startTime": "0",
         "stopTime": repr(float(plant.stop_time)),
-        "tolerance": repr(TOLERANCE),
+        "tolerance": repr(RELATIVE_TOLERANCE),
         "stepSize": repr(float(plant.step_size)),
     }
 

@@ -20,6 +20,7 @@ from fmus.packaging.documentation import documentation_page
 from fmus.packaging.emit import PYTHON, statements
 from fmus.packaging.errors import PackagingError
 from fmus.packaging.expressions import PlantExpressions, plant_expressions
+from fmus.packaging.interface import RELATIVE_TOLERANCE
 from fmus.packaging.model_description import model_description
 from fmus.packaging.structure import model_structure
 from fmus.plant import Plant
@@ -32,7 +33,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from {package}.equations import MODEL
-from {package}.instance import Instance, StepFailed
+from {package}.instance import Instance, StepError
 
 
 class {name}(Fmi2Slave):
@@ -46,7 +47,7 @@ class {name}(Fmi2Slave):
     def do_step(self, current_time, step_size):
         try:
             self._instance.do_step(current_time, step_size)
-        except StepFailed as failure:
+        except StepError as failure:
             self.log(str(failure), Fmi2Status.error)
             return False
         return True
@@ -130,6 +131,7 @@ def equations_source(expressions: PlantExpressions) -> str:
         "p_start": [float(parameter.value) for parameter in plant.parameters],
         "p_range": bounds,
         "n_outputs": n_y,
+        "relative_tolerance": RELATIVE_TOLERANCE,
     }
     lines = [
         f"    {name}={tuple(value) if isinstance(value, list) else value!r},"

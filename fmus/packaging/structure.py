@@ -7,6 +7,7 @@ depends on parameters only), `dependent` (anything else).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -60,7 +61,9 @@ def _dependencies(
 ) -> dict[int, Unknown]:
     interface = expressions.interface
     plant, references = interface.plant, interface.value_references
-    knowns = [v.name for v in (*plant.states, *plant.inputs, *plant.parameters)]
+    knowns = [state.name for state in plant.states]
+    knowns += [variable.name for variable in plant.inputs]
+    knowns += [parameter.name for parameter in plant.parameters]
     n_columns = len(plant.states) + len(plant.inputs) + (len(plant.parameters) if initially else 0)
     found: dict[int, list[tuple[int, str]]] = {reference: [] for reference in rows}
     jacobian = expressions.jacobian
@@ -77,7 +80,7 @@ def _dependencies(
     }
 
 
-def _kind(expressions: PlantExpressions, derivative: object, initially: bool) -> str:
+def _kind(expressions: PlantExpressions, derivative: Any, initially: bool) -> str:
     if ca.SX(derivative).is_constant():
         return "constant"
     if initially or ca.depends_on(derivative, ca.vertcat(expressions.x, expressions.u)):

@@ -54,7 +54,7 @@ _DERIVED: dict[str, BaseUnit] = {
     "degC": BaseUnit({"K": 1}, 1.0, 273.15),
 }
 _PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
-_TOKEN = re.compile(r"\s*([A-Za-z%]+|1|[.*/()·]|-(?!\d))(?:\^?(-?\d+))?")
+_TOKEN = re.compile(r"([A-Za-z]+|[1%.*/()·])(?:\^?(-?\d+))?")
 
 
 def base_unit(unit: str) -> BaseUnit:
@@ -90,26 +90,26 @@ def _symbol(name: str, unit: str) -> BaseUnit:
 def _powers(unit: str) -> list[tuple[str, int]]:
     """Symbols with their powers; `/` binds the next symbol or parenthesis only, left to right."""
     powers: list[tuple[str, int]] = []
-    signs, pending = [1], 1
-    position = 0
+    signs, pending, operand_next, position = [1], 1, True, 0
     while position < len(unit):
         token = _TOKEN.match(unit, position)
-        if token is None:
+        symbol = token.group(1) if token else ""
+        starts_operand = symbol == "(" or symbol[:1].isalpha() or symbol in ("1", "%")
+        closes_nothing = symbol == ")" and len(signs) == 1
+        if token is None or starts_operand != operand_next or closes_nothing:
             raise PackagingError(f"The unit {unit!r} is not understood from {unit[position:]!r}.")
         position = token.end()
-        symbol, exponent = token.group(1), int(token.group(2) or 1)
         if symbol == "(":
             signs.append(signs[-1] * pending)
             pending = 1
-        elif symbol == ")" and len(signs) > 1:
+        elif symbol == ")":
             signs.pop()
-        elif symbol == "/":
-            pending = -1
-        elif symbol in ".*·":
-            pending = 1
-        elif symbol[0].isalpha() or symbol in "1%":
-            powers.append((symbol, exponent * signs[-1] * pending))
-            pending = 1
+        elif starts_operand:
+            powers.append((symbol, int(token.group(2) or 1) * signs[-1] * pending))
+            operand_next = False
         else:
-            raise PackagingError(f"The unit {unit!r} has a {symbol!r} out of place.")
+            pending = -1 if symbol == "/" else 1
+            operand_next = True
+    if operand_next or len(signs) > 1:
+        raise PackagingError(f"The unit {unit!r} ends too early.")
     return powers

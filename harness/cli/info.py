@@ -36,7 +36,7 @@ def _as_data(d: ModelDescription, sha256: str) -> dict[str, Any]:
     plain["model_exchange"] = d.model_exchange and dataclasses.asdict(d.model_exchange)
     plain["variables"] = [dataclasses.asdict(v) for v in d.variables.values()]
     plain["units"] = {name: dataclasses.asdict(unit) for name, unit in d.units.items()}
-    plain["feedthrough"] = {name: inputs for name, inputs in d.feedthrough.items()}
+    plain["feedthrough"] = dict(d.feedthrough)
     return {"sha256": sha256, **plain}
 
 

@@ -18,7 +18,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def call_status(typingctx: Any, address: Any, arguments: Any) -> Any:
     """`int32 status = (*address)(*arguments)`; arguments is a tuple of int64 and float64."""
     kinds = list(arguments)

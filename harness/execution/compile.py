@@ -14,6 +14,7 @@ import dis
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -42,7 +43,8 @@ class CompiledStep:
 
 
 def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by compile_step
-    step(carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,)))  # type: ignore[name-defined]  # noqa: F821
+    arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
+    step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
 
 
@@ -52,8 +54,13 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
+    return _compile(block.step, sizes)
+
+
+@lru_cache(maxsize=256)
+def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
     digest = hashlib.sha256(repr(sizes).encode())
-    step = _rebuild(block.step, {}, digest)
+    step = _rebuild(function, {}, digest)
     scope = {
         **globals(),
         "step": step,
@@ -66,8 +73,8 @@ def compile_step(block: Block) -> CompiledStep:
         compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
-            f"step function {_label(block.step)} cannot be compiled: {_first_line(fault)}; write it "
-            "with scalars, loops and the math module only, or run it as a plain Python block"
+            f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
+            "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
     return CompiledStep(compiled.address, compiled)
 
@@ -94,7 +101,7 @@ def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
         value = scope[name]
         if isinstance(value, FunctionType) or hasattr(value, "py_func"):
             scope[name] = _rebuild(value, done, digest)
-        elif isinstance(value, _SCALARS) or isinstance(value, tuple):
+        elif isinstance(value, (*_SCALARS, tuple)):
             digest.update(f"{name}={value!r};".encode())
         elif isinstance(value, np.ndarray):
             digest.update(name.encode() + value.tobytes())

@@ -21,6 +21,8 @@ def encode(kind: int, values: Any, exchange: Any, start: int) -> None:
     for i in range(values.shape[0]):
         if kind == op.BOOL8:
             space[i] = np.uint8(values[i] != 0.0)
+        elif kind == op.BOOL32:
+            space.view(np.uint32)[i] = np.uint32(values[i] != 0.0)
         elif kind == op.INT8 or kind == op.UINT8:
             space[i] = np.uint8(np.int64(np.rint(values[i])) & 0xFF)
         elif kind == op.INT16 or kind == op.UINT16:
@@ -42,6 +44,8 @@ def decode(kind: int, values: Any, exchange: Any, start: int) -> None:
     for i in range(values.shape[0]):
         if kind == op.BOOL8:
             values[i] = 1.0 if space[i] != 0 else 0.0
+        elif kind == op.BOOL32:
+            values[i] = 1.0 if space.view(np.uint32)[i] != 0 else 0.0
         elif kind == op.UINT8:
             values[i] = float(space[i])
         elif kind == op.INT8:

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
 from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
-from harness.clock import show, to_seconds
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
 from harness.fmi.instance import FATAL, FmuInstance
@@ -26,7 +26,15 @@ def explain(
     when = f"at t = {to_seconds(now):.9g} s"
     name = getattr(action, "component", "?")
     if outcome == op.TERMINATED:
-        return SimulationError(f"component {name}: the FMU asked for the end of the run {when}")
+        return SimulationError(
+            f"component {name}: the FMU asked for the end of the run in the step {when}: "
+            f"{instances[name].log.reasons()}"
+        )
+    if outcome == op.EARLY:
+        return SimulationError(
+            f"component {name}: {_call_name(action)} {when} returned before the end of the step, "
+            "although early return was not allowed at instantiation; report it to its maker"
+        )
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
     if name in program.callbacks:

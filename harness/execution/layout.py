@@ -22,7 +22,7 @@ _FMI2_KINDS = {
     "Real": ("Real", FLOAT64),
     "Integer": ("Integer", op.INT32),
     "Enumeration": ("Integer", op.INT32),
-    "Boolean": ("Boolean", op.INT32),
+    "Boolean": ("Boolean", op.BOOL32),
 }
 _FMI3_KINDS = {
     "Float64": ("Float64", FLOAT64),

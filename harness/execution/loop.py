@@ -71,6 +71,8 @@ def run_cycles(
                     if now + o[3] <= stop:
                         t, h, f = now / _NANO, o[3] / _NANO, o[4]
                         status = call_status(o[1], (o[2], t, h, _ONE, f, f + 1, f + 2, o[5]))
+                        if status <= _WARNING and exchange[o[6] + 2] != 0:
+                            return op.EARLY
                         if status <= _WARNING and exchange[o[6] + 1] != 0:
                             return op.TERMINATED
                 elif code == op.STEP_FMI2:

@@ -38,7 +38,9 @@ NOT_FINITE = 2
 """a checked slot is NaN or infinite"""
 TERMINATED = 3
 """an FMI 3 component asked for the end of the simulation"""
+EARLY = 4
+"""an FMI 3 component returned before the end of its step, which it was not allowed to"""
 
-BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32 = range(10)
-"""Kinds of C numbers that are not float64."""
-ITEM_SIZE = (1, 1, 1, 2, 2, 4, 4, 8, 8, 4)
+BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32, BOOL32 = range(11)
+"""Kinds of C numbers that are not float64; booleans are 1 byte in FMI 3 and an int in FMI 2."""
+ITEM_SIZE = (1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 4)

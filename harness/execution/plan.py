@@ -5,7 +5,7 @@ At each instant, in this order (the timing contract):
     0  delay lines whose value arrives now
     1  signals are sampled, FMU outputs are read, sensitivities computed
     2  blocks that are due compute, in the order of their wires
-    3  what they computed goes to the FMU inputs, a row is recorded
+    3  what they computed goes to the FMU inputs and into delay lines, a row is recorded
     4  FMUs step to their next instant
 
 Jacobi and Gauss–Seidel differ in part 4 only: Jacobi writes all inputs and then steps all FMUs;
@@ -23,6 +23,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
+from harness.clock import common_cycle, show
 from harness.errors import GraphError, TimingError
 from harness.execution.actions import (
     Action,
@@ -36,7 +37,6 @@ from harness.execution.actions import (
     Transfer,
     Write,
 )
-from harness.clock import common_cycle, show
 from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (
@@ -95,6 +95,7 @@ class _Planner:
         self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
+        self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
         self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
@@ -137,8 +138,8 @@ class _Planner:
             if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
                 offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
                 raise TimingError(
-                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps by "
-                    f"{show(fmu.step_ns)}: one must be a whole multiple of the other"
+                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
+                    f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
                 )
 
     def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
@@ -146,15 +147,16 @@ class _Planner:
         capabilities = self.descriptions[fmu.name].co_simulation
         for wire in self.wires_to[fmu.name]:
             source = self.by_name[wire.source.component]
-            if isinstance(source, DelayComponent):
-                arrivals = self._sample_offsets(source)
-                if capabilities is not None and not capabilities.can_handle_variable_step:
-                    if set(arrivals) - offsets:
-                        raise TimingError(
-                            f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes "
-                            f"steps of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
-                        )
-                offsets.update(arrivals)
+            if not isinstance(source, DelayComponent):
+                continue
+            arrivals = set(self._sample_offsets(source))
+            fixed = capabilities is not None and not capabilities.can_handle_variable_step
+            if fixed and arrivals - set(range(0, self.cycle_ns, fmu.step_ns)):
+                raise TimingError(
+                    f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes steps "
+                    f"of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
+                )
+            offsets |= arrivals
         return tuple(sorted(offsets))
 
     def _sample_offsets(self, component: SampledComponent) -> range:
@@ -168,7 +170,8 @@ class _Planner:
             text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
             raise TimingError(
                 f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
-                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: {text}"
+                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
+                f"{text}"
             )
         for c in self.lowered.sampled:
             if rate_of(c).phase_ns >= rate_of(c).period_ns:
@@ -207,8 +210,8 @@ class _Planner:
             loop = [ends[edge[0], edge[1]] for edge in nx.find_cycle(graph)]
             path = ", ".join(f"{wire.source} -> {wire.target}" for wire in loop)
             raise GraphError(
-                f"blocks wait for each other at the same instant: {path}; put a delay of one sample "
-                "on one of these wires"
+                f"blocks wait for each other at the same instant: {path}; put a delay of one "
+                "sample on one of these wires"
             ) from None
         chosen = [self.by_name[name] for name in order]
         return [c for c in chosen if not isinstance(c, FmuComponent)]
@@ -232,8 +235,9 @@ class _Planner:
     def _fresh_stages(self) -> tuple[Stage, ...]:
         """How outputs that depend directly on what blocks have just computed reach other FMUs."""
         wires = [w for w in self.lowered.wires if w.target.component in self.fmus]
-        changed = {w.target for w in wires if w.source.component not in self.fmus
-                   and not isinstance(self.by_name[w.source.component], SignalComponent)}  # fmt: skip
+        early = {c.name for c in self.lowered.sampled if isinstance(c, SignalComponent)}
+        early |= set(self.fmus)
+        changed = {w.target for w in wires if w.source.component not in early}
         outputs: list[Endpoint] = []
         while True:
             found = [
@@ -260,9 +264,9 @@ class _Planner:
     def _actions(self, offset: int) -> Iterator[Action]:
         due = [name for name, instants in self.due.items() if offset in instants]
         sampled = [c for c in self.blocks if offset in self._sample_offsets(c)]
-        for c in self.lowered.sampled:
-            if isinstance(c, DelayComponent) and offset in self._sample_offsets(c):
-                yield from self._compute(c)
+        for c in self.delays:
+            if offset in self._sample_offsets(c):
+                yield Compute(c.name)
         yield from (Sample(c.name) for c in sampled if isinstance(c, SignalComponent))
         yield from self._staged(self.stages, due)
         yield from (Linearise(c.name) for c in sampled if isinstance(c, SensitivityComponent))
@@ -270,6 +274,9 @@ class _Planner:
             if not isinstance(c, (SignalComponent, SensitivityComponent)):
                 yield from self._compute(c)
         yield from self._apply(due)
+        for c in self.delays:
+            if (offset - c.source_phase_ns) % c.period_ns == 0:
+                yield Transfer(tuple(self.wires_to[c.name]))
         if offset % self.system.record_ns == 0:
             yield Record()
         yield from self._steps(offset, due)

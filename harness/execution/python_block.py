@@ -33,13 +33,14 @@ class PythonCallback:
         inputs: NDArray[np.float64],
         outputs: NDArray[np.float64],
     ) -> None:
+        """`clock`, `inputs` and `outputs` are the loop's memory, read and written in place."""
         self.fault: BaseException | None = None
         self._arrays = (clock, inputs, outputs)
         self._function = _PROTOTYPE(self._wrap(component))
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
 
     def _wrap(self, component: PythonComponent) -> Any:
-        clock, inputs, outputs = (memoryview(array) for array in self._arrays)  # type: ignore[arg-type]
+        clock, inputs, outputs = (_view(array) for array in self._arrays)
         function, read = component.function, inputs.tolist
         single = len(component.outputs) == 1
         names = ", ".join(s.name for s in component.outputs)
@@ -57,6 +58,11 @@ class PythonCallback:
             return 0
 
         return call
+
+
+def _view(array: NDArray[Any]) -> Any:
+    """The memory of `array`; its items are read and written faster than those of an array."""
+    return memoryview(array)  # type: ignore[arg-type]
 
 
 def _store(outputs: Any, result: Any, names: str) -> None:

@@ -19,9 +19,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import to_seconds
 from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
-from harness.clock import to_seconds
 from harness.execution.faults import explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
@@ -120,23 +120,20 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     descriptions = {name: fmu.description for name, fmu in fmus.items()}
     system = plan.lowered.system
     sources = {c.target: c.source for c in system.connections}
-    columns = []
-    for end in plan.recorded:
-        component = system.component(end.component)
-        ports = {**inputs_of(component, descriptions), **outputs_of(component, descriptions)}
-        unit, seen = ports[end.variable].unit, {end}
-        while unit is None and end in sources and sources[end] not in seen:
-            end = sources[end]
-            seen.add(end)
-            unit = outputs_of(system.component(end.component), descriptions)[end.variable].unit
-        described = ports.get(end.variable)
-        columns.append(
-            Column("", unit.name if unit else "", described.description if described else "")
-        )
-    return tuple(
-        Column(str(end), column.unit, column.description)
-        for end, column in zip(plan.recorded, columns, strict=True)
-    )
+    ports = {
+        Endpoint(c.name, name): info
+        for c in system.components
+        for known in (inputs_of(c, descriptions), outputs_of(c, descriptions))
+        for name, info in known.items()
+    }
+
+    def unit_of(end: Endpoint, hops: int = 8) -> str:
+        unit = ports[end].unit
+        if unit is None and end in sources and hops:
+            return unit_of(sources[end], hops - 1)
+        return unit.name if unit is not None else ""
+
+    return tuple(Column(str(end), unit_of(end), ports[end].description) for end in plan.recorded)
 
 
 def execute(
@@ -194,11 +191,11 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
     if outcome != op.OK:
         raise explain(program, instances, outcome)
     program.clock[:] = 0
-    for component in plan.lowered.sampled:
-        if isinstance(component, DelayComponent):
-            held = program.v[program.layout.slots[Endpoint(component.name, "in")]]
-            program.states[component.name][1:] = held
-            program.v[program.layout.slots[Endpoint(component.name, "out")]] = held
+    for delay in plan.lowered.sampled:
+        if isinstance(delay, DelayComponent):
+            held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
+            program.states[delay.name][1:] = held
+            program.v[program.layout.slots[Endpoint(delay.name, "out")]] = held
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program

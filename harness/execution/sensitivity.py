@@ -16,9 +16,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from harness.clock import to_seconds
 from harness.errors import FmuError
 from harness.execution import operations as op
-from harness.clock import to_seconds
 from harness.execution.compile import compile_step
 from harness.fmi.instance import FmuInstance
 from harness.system.block import Array, KernelBlock, Port

@@ -32,6 +32,7 @@ from harness.fmi.fmu import Fmu
 from harness.system.block import Array, KernelBlock, Port
 from harness.system.graph import (
     BlockComponent,
+    Component,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -124,7 +125,7 @@ def _measure(system: System, fmus: Mapping[str, Fmu], pulsed: Endpoint) -> tuple
 
 
 def _watched(system: System, pulsed: Endpoint) -> list[Endpoint]:
-    """The pulsed output, the FMU inputs it drives, and whatever block inputs it may come back to."""
+    """The pulsed output, the FMU inputs it drives, and the block inputs it may come back to."""
     driven = [c.target for c in system.connections if c.source == pulsed]
     fmus = {component.name for component in system.fmus}
     back = [
@@ -136,7 +137,7 @@ def _watched(system: System, pulsed: Endpoint) -> list[Endpoint]:
 
 def _opened(system: System, pulsed: Endpoint, size: float) -> System:
     """All controllers replaced by constants, the pulsed one by a pulse of `size`."""
-    components = []
+    components: list[Component] = []
     periods = [c.step_ns for c in system.fmus]
     for c in system.components:
         if isinstance(c, (BlockComponent, PythonComponent)):

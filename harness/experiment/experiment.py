@@ -15,6 +15,7 @@ from harness.bench import Bench, Echo
 from harness.errors import ExperimentError, HarnessError, nearest
 from harness.execution.run import Progress
 from harness.experiment.faults import describe
+from harness.experiment.measures import custom, tracking
 from harness.experiment.schema import (
     KINDS,
     ControllerSpec,
@@ -23,12 +24,8 @@ from harness.experiment.schema import (
     SignalSpec,
 )
 from harness.results.result import Result
-from harness.results.step_response import segment_metrics
 
 Table = dict[str, Any]
-
-MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
-"""What is also reported of the response as the controller sees it."""
 
 _DEEPEST = 8  # files that extend one another
 
@@ -167,24 +164,12 @@ class Experiment:
         return self.measured(result, spec)
 
     def measured(self, result: Result, spec: ExperimentSpec) -> Result:
-        """`result` with the metrics that `measure` asks for: those of the last step of the
-        reference, and of each step where there are several ("2/rise_time")."""
-        m = spec.measure
-        if m is None or len(result.time) < 3:
+        """`result` with the metrics that `measure` and `metrics` ask for."""
+        if len(result.time) < 3:
             return result
-        arrays = (result.time, result[m.reference], result[m.response], result[m.control])
-        found = segment_metrics(*arrays, band=m.band, window=m.window)
-        if not found:
-            return result
-        metrics = found[-1].as_dict()
-        if m.measured is not None:
-            arrays = (result.time, result[m.reference], result[m.measured], result[m.control])
-            seen = segment_metrics(*arrays, band=m.band, window=m.window)[-1].as_dict()
-            metrics |= {f"measured_{name}": seen[name] for name in MEASURED}
-        if len(found) > 1:
-            for i, segment in enumerate(found, 1):
-                metrics |= {f"{i}/{name}": value for name, value in segment.as_dict().items()}
-        return result.with_metrics(metrics)
+        found = tracking(result, spec.measure) if spec.measure is not None else {}
+        found |= {name: custom(result, one) for name, one in spec.metrics.items()}
+        return result.with_metrics(found)
 
 
 def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:

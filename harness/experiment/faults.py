@@ -18,6 +18,10 @@ _TABLES: dict[str, type[BaseModel]] = {
     "connections": schema.ConnectionSpec,
     "measure": schema.MeasureSpec,
     "plots": schema.PlotSpec,
+    "metrics": schema.MetricSpec,
+    "sweep": schema.SweepSpec,
+    "x": schema.AxisSpec,
+    "y": schema.AxisSpec,
     "study": schema.StudySpec,
 }
 

@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
-
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
 
@@ -71,7 +70,7 @@ ComponentSpec = Annotated[
     Discriminator(
         _kind,
         custom_error_type="component_kind",
-        custom_error_message="must have exactly one of the keys fmu, controller, signal, sensitivity",
+        custom_error_message=f"must have exactly one of the keys {', '.join(KINDS)}",
     ),
 ]
 
@@ -113,10 +112,50 @@ class MeasureSpec(Strict):
     window: float = 0.1
 
 
-class PlotSpec(Strict):
-    """One picture: `signals` over time, of all variants, in one panel a signal."""
+class MetricSpec(Strict):
+    """One figure of the rows between `from` and `to` (s): a `kind` of `signal`, or of its
+    difference to `minus`; `relative_to` divides it by a number, or by the RMS of a signal."""
 
-    signals: tuple[str, ...]
+    kind: Literal["rms", "mean", "mean_abs", "max_abs", "std", "final", "final_abs"]
+    signal: str
+    minus: str | None = None
+    start: float | None = Field(default=None, alias="from")
+    end: float | None = Field(default=None, alias="to")
+    relative_to: float | str | None = None
+
+
+class AxisSpec(Strict):
+    """One axis of a sweep: `count` values of the setting `key`, from `from` to `to`."""
+
+    key: str
+    first: float = Field(alias="from")
+    last: float = Field(alias="to")
+    count: int = Field(ge=2)
+    label: str = ""
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values, evenly spaced; both ends are among them."""
+        step = (self.last - self.first) / (self.count - 1)
+        return tuple(self.first + i * step for i in range(self.count))
+
+
+class SweepSpec(Strict):
+    """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
+    is below `below`. A run that ends early is outside."""
+
+    outcome: str
+    below: float
+    x: AxisSpec
+    y: AxisSpec
+
+
+class PlotSpec(Strict):
+    """One picture: `signals` over time, of all variants, in one panel a signal; or the
+    `membership` functions of a controller before and after the run, of the first variant."""
+
+    signals: tuple[str, ...] = ()
+    membership: str | None = None
     title: str = ""
     variants: tuple[str, ...] = ()
 
@@ -151,4 +190,6 @@ class ExperimentSpec(Strict):
     variants: dict[str, VariantSpec] = Field(default_factory=dict)
     measure: MeasureSpec | None = None
     plots: dict[str, PlotSpec] = Field(default_factory=dict)
+    metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     study: StudySpec | None = None
+    sweep: SweepSpec | None = None

@@ -72,7 +72,7 @@ class FmuInstance(ABC):
         return self._library.address(self.prefix + name)
 
     def call(self, name: str, *arguments: Any, what: str = "") -> None:
-        """Call the C function `name` with the instance and `arguments`; raise unless it succeeds."""
+        """Call the C function `name` of this instance; raise unless it succeeds."""
         if self._dead:
             raise FmuError(f"component {self.name} reported Fatal before and cannot be called")
         function = self._functions.get(name)
@@ -88,7 +88,8 @@ class FmuInstance(ABC):
         self._dead = self._dead or status == FATAL
         label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
         raise FmuError(
-            f"component {self.name}: {self.prefix}{name}{what} returned {label}: {self.log.reasons()}"
+            f"component {self.name}: {self.prefix}{name}{what} returned {label}: "
+            f"{self.log.reasons()}"
         )
 
     def mark_dead(self) -> None:
@@ -140,7 +141,7 @@ class FmuInstance(ABC):
         """Suffix of the get and set functions for a variable's type, and its C type."""
 
     def set(self, values: Mapping[str, Value | Sequence[float]]) -> None:
-        """Set variables by name; a value is a number, a boolean, a string, or numbers of an array."""
+        """Set variables by name: a number, a boolean, a string, or the numbers of an array."""
         for name, value in values.items():
             variable = self.description.variable(name)
             suffix, ctype = self.accessor(variable)

@@ -71,7 +71,7 @@ PLAIN_LOGGER = ctypes.CFUNCTYPE(
 _logs: dict[int, MessageLog] = {}
 
 
-@PLAIN_LOGGER
+@PLAIN_LOGGER  # type: ignore[untyped-decorator]
 def _receive(environment: Any, name: Any, status: int, category: Any, text: Any) -> None:
     log = _logs.get(environment or 0)
     if log is not None:
@@ -83,7 +83,7 @@ FMI3_LOGGER = ctypes.CFUNCTYPE(
 )
 
 
-@FMI3_LOGGER
+@FMI3_LOGGER  # type: ignore[untyped-decorator]
 def fmi3_logger(environment: Any, status: int, category: Any, text: Any) -> None:
     """The log callback of FMI 3."""
     log = _logs.get(environment or 0)
@@ -134,7 +134,8 @@ def _ir() -> str:
     return f"""
 declare void @llvm.va_start(i8*)
 declare void @llvm.va_end(i8*)
-define void @fmu_harness_logger(i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, ...) {{
+define void @fmu_harness_logger(
+    i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, ...) {{
   %area = alloca [8 x i64], align 16
   %text = alloca [{_SIZE} x i8], align 16
   %slot = bitcast [8 x i64]* %area to i8**

@@ -19,9 +19,8 @@ from lxml import etree
 from harness.errors import FmuError, nearest
 from harness.system.units import Unit
 
-INTEGER_TYPES = frozenset(
-    "Integer Enumeration Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64".split()
-)
+_SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
+INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
 REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
 NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 
@@ -48,7 +47,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Capabilities:
-    """What the FMU says it can do in one kind of interface; `model_identifier` names its library."""
+    """What the FMU can do in one kind of interface; `model_identifier` names its library."""
 
     model_identifier: str
     can_get_and_set_fmu_state: bool

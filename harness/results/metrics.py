@@ -99,7 +99,8 @@ def relative_error(reference: Array, response: Array) -> Array:
 
 def steady_state_mean(reference: Array, response: Array) -> float:
     """Mean of 100·(r − y)/|r| over a window, in %: the offset, positive where y is too low."""
-    return float(np.mean(relative_error(reference, response)))
+    with np.errstate(invalid="ignore"):  # where r = 0 there is no share of it: NaN
+        return float(np.mean(relative_error(reference, response)))
 
 
 def steady_state_rms(reference: Array, response: Array) -> float:

@@ -1,1 +1,1 @@
-"""The system as data: components, connections, units, experiment files; checked before anything loads."""
+"""The system as data: components, connections, units; checked before anything loads."""

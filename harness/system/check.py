@@ -10,8 +10,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from harness.errors import GraphError, UnitError, nearest
 from harness.clock import show
+from harness.errors import GraphError, UnitError, nearest
 from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription, Variable
 from harness.system.graph import (
     ALGORITHMS,

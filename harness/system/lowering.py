@@ -15,9 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from harness.clock import to_seconds
+from harness.instruments.imperfections import Imperfection
 from harness.system.check import Descriptions, inputs_of, outputs_of
 from harness.system.delay import delay_block
-from harness.instruments.imperfections import Imperfection
 from harness.system.graph import (
     BlockComponent,
     Component,
@@ -33,7 +33,12 @@ from harness.system.units import conversion
 
 @dataclass(frozen=True)
 class DelayComponent(BlockComponent):
-    """A delay line: runs before all else at its instants, which need not be on the plant's grid."""
+    """A delay line: runs before all else at its instants, which need not be on the plant's grid.
+
+    It takes in the value of its source at `source_phase_ns + k * period_ns`.
+    """
+
+    source_phase_ns: int = 0
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,7 @@ class _Chain:
 
     def add_imperfection(self, imperfection: Imperfection) -> None:
         rate = self.link_rate
-        name = self._name(imperfection.kind)
+        name = self._name(getattr(imperfection, "kind", type(imperfection).__name__.lower()))
         block = imperfection.block(to_seconds(rate.period_ns))
         self.made.append(BlockComponent(name, block, rate.period_ns, rate.phase_ns))
         self.wires.append(Wire(self.end, Endpoint(name, block.inputs[0].name)))
@@ -137,11 +142,13 @@ class _Chain:
         rate = self.source_rate
         arrival = rate.phase_ns + delay_ns
         phase, samples = arrival % rate.period_ns, arrival // rate.period_ns
-        # at its instant the line sees the value held before: that of the last sample where it
+        # at its instant the line sees the value taken in before: that of the last sample where it
         # runs later in the cycle than its source, else one sample further back
         depth = samples if phase > rate.phase_ns else samples - 1
         name = self._name("delay")
-        self.made.append(DelayComponent(name, delay_block(depth), rate.period_ns, phase))
+        self.made.append(
+            DelayComponent(name, delay_block(depth), rate.period_ns, phase, rate.phase_ns)
+        )
         self.wires.append(Wire(self.end, Endpoint(name, "in")))
         self.end = Endpoint(name, "out")
 

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEFAULT_TOLERANCE = 1e-5;
-
 #include "logging.c"
 #include "variables.c"
 #include "derivatives.c"
@@ -34,7 +32,7 @@ static Status component_reset(Component *component) {
     memset(state, 0, sizeof *state); /* padding too: stored states are compared as bytes */
     state->kind = kind;
     state->mode = MODE_INSTANTIATED;
-    state->relative_tolerance = DEFAULT_TOLERANCE;
+    state->relative_tolerance = MODEL_TOLERANCE;
     memcpy(state->x, model_x_start, N_X * sizeof(double));
     memcpy(state->u, model_u_start, N_U * sizeof(double));
     memcpy(state->p, model_p_start, N_P * sizeof(double));
@@ -112,7 +110,7 @@ static Status component_change_mode(Component *component, const char *call, int 
     const Status status = component_check_mode(component, call, legal);
     if (status == STATUS_OK) {
         component->state.mode = next;
-        component_log(component, STATUS_OK, LOG_EVENTS, "%s: entered the state '%s' at %.17g s.",
+        component_log(component, STATUS_OK, LOG_EVENTS, "%s: entered the state '%s' at %.12g s.",
                       call, mode_name(next), component->state.time);
     }
     return status;
@@ -135,7 +133,7 @@ static Status component_setup(Component *component, const char *call, bool toler
                              "%s: stop time %g s does not follow start time %g s.", call,
                              stop_time, start_time);
     }
-    state->relative_tolerance = tolerance_defined ? tolerance : DEFAULT_TOLERANCE;
+    state->relative_tolerance = tolerance_defined ? tolerance : MODEL_TOLERANCE;
     state->time = start_time;
     state->stop_time_defined = stop_time_defined;
     state->stop_time = stop_time_defined ? stop_time : 0.0;
@@ -170,12 +168,12 @@ static Status check_step(const Component *component, const char *call, double ti
     }
     if (!(fabs(time - state->time) <= time_slack(time))) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step starts at %.17g s, but the instance stands at %.17g s.",
+                             "%s: the step starts at %.12g s, but the instance stands at %.12g s.",
                              call, time, state->time);
     }
     if (state->stop_time_defined && time + step > state->stop_time + time_slack(time + step)) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step ends at %.17g s, behind the stop time %.17g s.", call,
+                             "%s: the step ends at %.12g s, behind the stop time %.12g s.", call,
                              time + step, state->stop_time);
     }
     return STATUS_OK;
@@ -220,7 +218,7 @@ static Status component_do_step(Component *component, const char *call, double t
             state->mode = MODE_FAILED;
             return component_log(
                 component, STATUS_ERROR, LOG_ERROR,
-                "%s: the step from %.17g s over %.17g s failed at %.17g s: %s (state '%s'). "
+                "%s: the step from %.12g s over %.12g s failed at %.12g s: %s (state '%s'). "
                 "The values are those before the step.",
                 call, time, step, time + report.reached, reason(result),
                 model_names[STATE_REFERENCE + report.worst_state]);
@@ -232,7 +230,7 @@ static Status component_do_step(Component *component, const char *call, double t
     invalidate(component);
     if (component->log_categories & LOG_SOLVER) {
         component_log(component, STATUS_OK, LOG_SOLVER,
-                      "%s: at %.17g s after %lu substeps and %lu rejected ones.", call,
+                      "%s: at %.12g s after %lu substeps and %lu rejected ones.", call,
                       state->time, (unsigned long)report.accepted,
                       (unsigned long)report.rejected);
     }

@@ -2,7 +2,8 @@
  * fmi2.c and fmi3.c are thin layers over these functions.
  *
  * model.c, generated, provides
- *     FMI_VERSION, MODEL_IDENTIFIER, MODEL_TOKEN, N_X, N_U, N_Y, N_P, N_JACOBIAN,
+ *     FMI_VERSION, MODEL_IDENTIFIER, MODEL_TOKEN, MODEL_TOLERANCE, N_X, N_U, N_Y, N_P,
+ *     N_JACOBIAN,
  *     model_names[], by value reference,
  *     model_x_start[], model_x_nominal[], model_u_start[],
  *     model_p_start[], model_p_minimum[], model_p_maximum[], model_p_tunable[],

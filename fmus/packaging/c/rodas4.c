@@ -60,40 +60,47 @@ static bool all_finite(size_t n, const double *values, size_t *worst) {
     return true;
 }
 
+/* Row of the entry of column k that is largest for its row's weight; false when there is none. */
+static bool find_pivot(size_t n, const double *lu, const double *weights, size_t k, size_t *pivot) {
+    double largest = 0.0;
+    *pivot = k;
+    for (size_t i = k; i < n; i++) {
+        const double size = fabs(lu[i * n + k]) * weights[i];
+        if (size > largest) {
+            largest = size;
+            *pivot = i;
+        }
+    }
+    return largest > 0.0 && isfinite(largest);
+}
+
+static void swap(double *a, double *b) {
+    const double c = *a;
+    *a = *b;
+    *b = c;
+}
+
 /* LU factors of I/(h GAMMA) - J in place, rows weighed by 1/scale when a pivot is chosen (the
  * rows carry the units of their states). False when the matrix is singular or not finite. */
 static bool factorise(const Rodas4 *solver, const Work *w, double h) {
     const size_t n = solver->n;
     double *lu = w->factors;
+    double *weights = w->right; /* free until the first stage */
     for (size_t i = 0; i < n * n; i++) {
         lu[i] = -w->jacobian[i];
     }
     for (size_t i = 0; i < n; i++) {
         lu[i * n + i] += 1.0 / (h * GAMMA);
-        w->right[i] = 1.0 / solver->scale[i]; /* free until the first stage */
+        weights[i] = 1.0 / solver->scale[i];
     }
     for (size_t k = 0; k < n; k++) {
-        size_t pivot = k;
-        double largest = 0.0;
-        for (size_t i = k; i < n; i++) {
-            const double size = fabs(lu[i * n + k]) * w->right[i];
-            if (size > largest) {
-                largest = size;
-                pivot = i;
-            }
-        }
-        if (!(largest > 0.0 && isfinite(largest))) {
+        if (!find_pivot(n, lu, weights, k, &solver->pivots[k])) {
             return false;
         }
-        solver->pivots[k] = pivot;
-        if (pivot != k) {
-            const double weight = w->right[k];
-            w->right[k] = w->right[pivot];
-            w->right[pivot] = weight;
+        if (solver->pivots[k] != k) {
+            swap(&weights[k], &weights[solver->pivots[k]]);
             for (size_t j = 0; j < n; j++) {
-                const double entry = lu[k * n + j];
-                lu[k * n + j] = lu[pivot * n + j];
-                lu[pivot * n + j] = entry;
+                swap(&lu[k * n + j], &lu[solver->pivots[k] * n + j]);
             }
         }
         for (size_t i = k + 1; i < n; i++) {
@@ -112,9 +119,7 @@ static bool factorise(const Rodas4 *solver, const Work *w, double h) {
 static void solve(const Rodas4 *solver, const double *lu, double *b) {
     const size_t n = solver->n;
     for (size_t k = 0; k < n; k++) {
-        const double entry = b[k];
-        b[k] = b[solver->pivots[k]];
-        b[solver->pivots[k]] = entry;
+        swap(&b[k], &b[solver->pivots[k]]);
     }
     for (size_t i = 1; i < n; i++) {
         for (size_t j = 0; j < i; j++) {
@@ -200,58 +205,69 @@ static double fit_substep(double h, double remaining) {
     return 2.0 * h > remaining ? 0.5 * remaining : h;
 }
 
+/* f and its Jacobian at x; false when one is not finite. */
+static bool linearise_here(const Rodas4 *solver, const Work *w, const double *x, size_t *worst) {
+    const size_t n = solver->n;
+    solver->linearise(solver->context, x, w->dx, w->jacobian);
+    if (!all_finite(n, w->dx, worst)) {
+        return false;
+    }
+    if (!all_finite(n * n, w->jacobian, worst)) {
+        *worst /= n; /* the row */
+        return false;
+    }
+    return true;
+}
+
+/* One attempt over h: the new state in w->argument, its error norm returned. */
+static double attempt(const Rodas4 *solver, const Work *w, const double *x, double h,
+                      size_t *worst) {
+    if (!factorise(solver, w, h)) {
+        return INFINITY;
+    }
+    compute_stages(solver, w, x, h);
+    return error_norm(solver, w, x, worst);
+}
+
 static Rodas4Result rodas4_integrate(const Rodas4 *solver, double duration, double *x,
                                      double *substep, Rodas4Report *report) {
-    const size_t n = solver->n;
     const Work w = divide_work(solver);
     const double smallest = 4.0 * DBL_EPSILON * duration;
-    double t = 0.0;
     double h = *substep;
+    bool rejected = false;
     memset(report, 0, sizeof *report);
-    while (t < duration) {
-        report->reached = t;
-        solver->linearise(solver->context, x, w.dx, w.jacobian);
-        if (!all_finite(n, w.dx, &report->worst_state)) {
+    while (report->reached < duration) {
+        const double remaining = duration - report->reached;
+        if (!rejected && !linearise_here(solver, &w, x, &report->worst_state)) {
             return RODAS4_NOT_FINITE;
         }
-        if (!all_finite(n * n, w.jacobian, &report->worst_state)) {
-            report->worst_state /= n;
-            return RODAS4_NOT_FINITE;
+        if (report->accepted + report->rejected >= RODAS4_MAX_SUBSTEPS) {
+            return RODAS4_TOO_MANY_STEPS;
         }
         if (!(h > 0.0)) {
             h = first_substep(solver, &w, x, duration);
         }
-        bool rejected = false;
-        for (;;) {
-            const double taken = fit_substep(h, duration - t);
-            double error = INFINITY;
-            if (report->accepted + report->rejected >= RODAS4_MAX_SUBSTEPS) {
-                return RODAS4_TOO_MANY_STEPS;
-            }
-            if (factorise(solver, &w, taken)) {
-                compute_stages(solver, &w, x, taken);
-                error = error_norm(solver, &w, x, &report->worst_state);
-            }
-            /* order of the embedded solution 3: error ~ h^4 */
-            const double growth = fmin(6.0, fmax(0.2, 0.9 / sqrt(sqrt(fmax(error, 1e-10)))));
-            if (error <= 1.0) {
-                report->accepted++;
-                memcpy(x, w.argument, n * sizeof(double));
-                t = taken < duration - t ? t + taken : duration;
-                const double next = taken * (rejected ? fmin(growth, 1.0) : growth);
-                /* a substep cut short by the end says nothing against the longer one */
-                h = taken < h ? fmax(h, next) : next;
-                break;
-            }
+        const double taken = fit_substep(h, remaining);
+        const double error = attempt(solver, &w, x, taken, &report->worst_state);
+        /* the embedded solution has order 3: error ~ h^4 */
+        const double growth = fmin(6.0, fmax(0.2, 0.9 / sqrt(sqrt(fmax(error, 1e-10)))));
+        if (error <= 1.0) {
+            const double next = taken * (rejected ? fmin(growth, 1.0) : growth);
+            memcpy(x, w.argument, solver->n * sizeof(double));
+            report->accepted++;
+            report->reached = taken < remaining ? report->reached + taken : duration;
+            /* a substep cut short by the end says nothing against the longer one */
+            h = taken < h ? fmax(h, next) : next;
+            rejected = false;
+        } else {
             report->rejected++;
-            rejected = true;
             h = taken * fmin(growth, 0.9);
+            rejected = true;
             if (h < smallest) {
                 return RODAS4_STEP_TOO_SMALL;
             }
         }
     }
-    report->reached = duration;
     *substep = h;
     return RODAS4_DONE;
 }

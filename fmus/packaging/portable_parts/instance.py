@@ -15,8 +15,6 @@ from typing import Any
 from . import rodas4
 from .model import Model
 
-_TOLERANCE = 1e-5
-
 
 @dataclass
 class _Values:
@@ -30,7 +28,7 @@ class _Values:
     p: list[float]
 
 
-class StepFailed(Exception):
+class StepError(Exception):
     """A step failed; the values are those before it. The message is for the log."""
 
 
@@ -41,7 +39,7 @@ class Instance:
         """Start values throughout."""
         self._model = model
         self._values = _Values(
-            0.0, _TOLERANCE, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
+            0.0, model.relative_tolerance, 0.0, [*model.x_start], [*model.u_start], [*model.p_start]
         )
 
     def setup_experiment(
@@ -53,7 +51,7 @@ class Instance:
             self._values.relative_tolerance = tolerance
 
     def do_step(self, current_time: float, step_size: float) -> None:
-        """Step, or raise StepFailed and keep the values as they were."""
+        """Step, or raise StepError and keep the values as they were."""
         values, model = self._values, self._model
         problem = rodas4.Problem(
             lambda x: model.derivatives(x, values.u, values.p),
@@ -67,8 +65,8 @@ class Instance:
                 values.x, values.substep = rodas4.integrate(
                     problem, step_size, values.x, values.substep
                 )
-            except rodas4.StepFailure as failure:
-                raise StepFailed(
+            except rodas4.IntegrationError as failure:
+                raise StepError(
                     f"The step from {current_time!r} s over {step_size!r} s failed {failure}. "
                     "The values are those before the step."
                 ) from failure

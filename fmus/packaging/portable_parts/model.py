@@ -19,6 +19,7 @@ class Model:
     p_start: tuple[float, ...]
     p_range: tuple[tuple[float, float], ...]
     n_outputs: int
+    relative_tolerance: float
     derivatives: Callable[[Vector, Vector, Vector], Vector]
     outputs: Callable[[Vector, Vector, Vector], Vector]
     linearise: Callable[[Vector, Vector, Vector], tuple[Vector, Vector]]

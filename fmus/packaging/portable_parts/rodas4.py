@@ -38,7 +38,7 @@ C = (
 MAX_SUBSTEPS = 100_000
 
 
-class StepFailure(Exception):
+class IntegrationError(Exception):
     """A step could not be completed; the message says where and why."""
 
 
@@ -54,32 +54,33 @@ class Problem:
 
 
 def integrate(problem: Problem, duration: float, x: Vector, substep: float) -> tuple[Vector, float]:
-    """State after `duration`, and the substep to try next; raises StepFailure."""
+    """State after `duration`, and the substep to try next; raises IntegrationError."""
     smallest = 4.0 * float_info.epsilon * duration
-    t, h, attempts = 0.0, substep, 0
+    t, h, attempts, rejected = 0.0, substep, 0, False
+    dx, jacobian = x, x
     while t < duration:
-        dx, jacobian = problem.linearise(x)
-        _check_finite(problem, dx, jacobian, t)
+        if not rejected:
+            dx, jacobian = problem.linearise(x)
+            _check_finite(problem, dx, jacobian, t)
+        if attempts >= MAX_SUBSTEPS:
+            raise IntegrationError(f"after {t:g} s of the step: the limit of substeps is reached")
+        attempts += 1
         if not h > 0.0:
             h = _first_substep(problem, dx, x, duration)
-        rejected = False
-        while True:
-            taken = _fit_substep(h, duration - t)
-            if attempts >= MAX_SUBSTEPS:
-                raise StepFailure(f"after {t:g} s of the step: the limit of substeps is reached")
-            attempts += 1
-            candidate, error, worst = _attempt(problem, dx, jacobian, x, taken)
-            growth = min(6.0, max(0.2, 0.9 / sqrt(sqrt(max(error, 1e-10)))))
-            if error <= 1.0:
-                x = candidate
-                t = t + taken if taken < duration - t else duration
-                following = taken * (min(growth, 1.0) if rejected else growth)
-                h = max(h, following) if taken < h else following
-                break
-            rejected = True
+        taken = _fit_substep(h, duration - t)
+        candidate, error, worst = _attempt(problem, dx, jacobian, x, taken)
+        growth = min(6.0, max(0.2, 0.9 / sqrt(sqrt(max(error, 1e-10)))))
+        if error <= 1.0:
+            x = candidate
+            t = t + taken if taken < duration - t else duration
+            following = taken * (min(growth, 1.0) if rejected else growth)
+            h = max(h, following) if taken < h else following
+            rejected = False
+        else:
             h = taken * min(growth, 0.9)
+            rejected = True
             if h < smallest:
-                raise StepFailure(
+                raise IntegrationError(
                     f"after {t:g} s of the step: the error test fails down to the smallest "
                     f"substep (state '{problem.state_names[worst]}')"
                 )
@@ -91,7 +92,7 @@ def _check_finite(problem: Problem, dx: Vector, jacobian: Vector, t: float) -> N
     for k, value in enumerate((*dx, *jacobian)):
         if not isfinite(value):
             name = problem.state_names[k if k < n else (k - n) // n]
-            raise StepFailure(
+            raise IntegrationError(
                 f"after {t:g} s of the step: the equations yield NaN or infinity (state '{name}')"
             )
 

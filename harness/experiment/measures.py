@@ -1,0 +1,78 @@
+"""The metrics that an experiment asks for, computed of a result."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+
+from harness.errors import UsageError
+from harness.experiment.schema import MeasureSpec, MetricSpec
+from harness.results.result import Array, Result
+from harness.results.step_response import segment_metrics, segments, tracking_metrics
+
+MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
+"""What is also reported of the response as the controller sees it."""
+
+Metrics = dict[str, float | None]
+
+
+def tracking(result: Result, m: MeasureSpec) -> Metrics:
+    """The figures of the last step of the reference, and of each step where there are several
+    ("2/rise_time"). A reference that moves otherwise has no times of its own."""
+    found = _response(result, m, m.response)
+    if m.measured is not None:
+        seen = _response(result, m, m.measured)
+        found |= {f"measured_{name}": seen[name] for name in MEASURED}
+    return found
+
+
+def _response(result: Result, m: MeasureSpec, response: str) -> Metrics:
+    arrays = (result.time, result[m.reference], result[response], result[m.control])
+    try:
+        segments(result.time, result[m.reference])
+    except UsageError:
+        return {k: float(v) for k, v in asdict(tracking_metrics(*arrays, window=m.window)).items()}
+    steps = segment_metrics(*arrays, band=m.band, window=m.window)
+    if not steps:
+        return {}
+    found = steps[-1].as_dict()
+    if len(steps) > 1:
+        for i, step in enumerate(steps, 1):
+            found |= {f"{i}/{name}": value for name, value in step.as_dict().items()}
+    return found
+
+
+def custom(result: Result, spec: MetricSpec) -> float | None:
+    """One figure of `[metrics]`; None where no row lies between its times."""
+    rows = np.ones(len(result.time), dtype=bool)
+    if spec.start is not None:
+        rows &= result.time >= spec.start
+    if spec.end is not None:
+        rows &= result.time <= spec.end
+    if not rows.any():
+        return None
+    values = result[spec.signal][rows]
+    if spec.minus is not None:
+        values = values - result[spec.minus][rows]
+    scale = 1.0
+    if isinstance(spec.relative_to, str):
+        scale = _rms(result[spec.relative_to][rows])
+    elif spec.relative_to is not None:
+        scale = spec.relative_to
+    return _KINDS[spec.kind](values) / scale if scale else None
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values * values)))
+
+
+_KINDS = {
+    "rms": _rms,
+    "mean": lambda values: float(np.mean(values)),
+    "mean_abs": lambda values: float(np.mean(np.abs(values))),
+    "max_abs": lambda values: float(np.max(np.abs(values))),
+    "std": lambda values: float(np.std(values)),
+    "final": lambda values: float(values[-1]),
+    "final_abs": lambda values: float(abs(values[-1])),
+}
