@@ -17,6 +17,7 @@ model and compiles. This module refuses to know a model.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -41,8 +42,8 @@ ModelFunction = Callable[[Array, Array, Array, Array], None]
 
 STAGES = {"runge_kutta": 4, "euler": 1, "map": 0}
 
-# Parameters: sizes and times, then q, extra, R, score and those of the model.
-P_N, P_NU, P_NW, P_M, P_STAGES, P_SUBSTEPS, P_T, P_Q = range(8)
+# Parameters: sizes and times, then q, extra, R, score, those of the model and of the measurement.
+P_N, P_NU, P_NW, P_M, P_NP, P_STAGES, P_SUBSTEPS, P_T, P_Q = range(9)
 # State: whether the block has run, then u, X, P, Q, h, H, ν, γ and work space.
 X_STARTED, X_U = 0, 1
 
@@ -68,7 +69,9 @@ def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
     at_extra = P_Q + n_w
     at_r = at_extra + n
     at_score = at_r + m * m
-    model = p[at_score + N_SCORE :]
+    at_model = at_score + N_SCORE
+    model = p[at_model : at_model + int(p[P_NP])]
+    sensor = p[at_model + int(p[P_NP]) :]
     at_x = X_U + n_u
     at_p = at_x + transition_size(n, n_w)
     at_h = at_p + 2 * n * n
@@ -88,12 +91,12 @@ def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
         held_noise(n, n_w, p[P_Q:at_extra], p[at_extra:at_r], X, Q)
         predict(n, P, X[n : n + n * n], Q, work)
     x[X_STARTED] = 1.0
-    measurement(model, X[:n], held, h)
-    measurement_jacobian(model, X[:n], held, H)
+    measurement(sensor, X[:n], held, h)
+    measurement_jacobian(sensor, X[:n], held, H)
     for a in range(m):
         nu[a] = u[n_u + a] - h[a]
     R = p[at_r:at_score]
-    squared = update(n, m, X[:n], P, nu, H, R, p[at_score : at_score + N_SCORE], gamma, work)
+    squared = update(n, m, X[:n], P, nu, H, R, p[at_score:at_model], gamma, work)
     for j in range(n_u):
         held[j] = u[j]
     show_estimate(n, m, X, P, nu, squared, work, y)
@@ -108,13 +111,13 @@ def show_estimate(
     L = work[3 * nm : 3 * nm + m * m]
     for i in range(n):
         y[i] = X[i]
-        y[n + i] = max(P[i * n + i], 0.0) ** 0.5
+        y[n + i] = math.sqrt(max(P[i * n + i], 0.0))
     for a in range(m):
         total = 0.0
         for b in range(a + 1):
             total = total + L[a * m + b] * L[a * m + b]
         y[2 * n + a] = nu[a]
-        y[2 * n + m + a] = total**0.5
+        y[2 * n + m + a] = math.sqrt(total)
     y[2 * n + 2 * m] = squared
     for i in range(nm):
         y[2 * n + 2 * m + 1 + i] = K[i]
@@ -141,12 +144,13 @@ class Model:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
     """z = h(x, u) + v: `signals` (m), `output` h and `jacobian` ∂h/∂x as functions like those of
-    the model and of the same p, and the covariance `R` of v, shape (m, m)."""
+    the model, with `parameters` of their own as p, and the covariance `R` of v, shape (m, m)."""
 
     signals: tuple[Signal, ...]
     output: ModelFunction
     jacobian: ModelFunction
     R: Array
+    parameters: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -242,8 +246,10 @@ class Estimator:
         n, n_w, m = self.sizes
         n_u = len(self.model.inputs)
         extra = np.zeros(n) if self.extra is None else self.extra
-        head = [n, n_u, n_w, m, STAGES[self.discretisation], self.substeps, sample_time]
-        parts = (head, self.q, extra, self.measurement.R, self.score, self.model.parameters)
+        n_p, stages = len(self.model.parameters), STAGES[self.discretisation]
+        head = [n, n_u, n_w, m, n_p, stages, self.substeps, sample_time]
+        own = (self.model.parameters, self.measurement.parameters)
+        parts = (head, self.q, extra, self.measurement.R, self.score, *own)
         X = np.zeros(transition_size(n, n_w))
         X[:n] = self.x_0
         work = max(transition_work(n, n_w), update_work(n, m))
