@@ -25,7 +25,7 @@ The step function, and how its arrays are laid out, is in `controllers.tuned_ste
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +38,8 @@ from controllers.errors import (
     require_not_negative,
     require_positive,
 )
-from controllers.fuzzy_pid import AXES, FuzzyPIDLaw
+from controllers.fuzzy_pid import AXES, LABELS, FuzzyPIDLaw
+from controllers.membership_view import Curves, axis_curves
 from controllers.p_point import PPoint, gaussian_score
 from controllers.pid import limit
 from controllers.tuned_step import S_AXES, S_SENSITIVITY, tuned_fuzzy_pid_step
@@ -164,8 +165,8 @@ class TunedFuzzyPID(FuzzyPIDLaw):
 
     def tuner_outputs(self) -> tuple[Signal, ...]:
         """Outputs of the tuner in the order of the Y_ constants, then θ."""
-        slope = f"{self.measured_unit}/{self.output_unit}"
-        unit = slope.removesuffix("/1")
+        stated = self.measured_unit and self.output_unit
+        unit = f"{self.measured_unit}/{self.output_unit}".removesuffix("/1") if stated else ""
         kinds = (
             ("gamma", "normalised innovation of the filter of axis"),
             ("nis", "normalised innovation squared of axis"),
@@ -201,6 +202,15 @@ class TunedFuzzyPID(FuzzyPIDLaw):
             ),
             state=np.concatenate([self.fuzzy_state(), self.tuner_state()]),
         )
+
+    def membership_curves(self, values: Mapping[str, float]) -> dict[str, tuple[Curves, ...]]:
+        """Curves of the axes P, I and D, from the values of the `mf_` outputs at one instant."""
+        found = {}
+        for axis in AXES:
+            names = [s.name for s in self.tuner_outputs() if s.name.startswith(f"mf_{axis}_")]
+            theta = np.array([values[name] for name in names])
+            found[axis.upper()] = axis_curves(theta, self.classes, LABELS, f"weights of U_{axis}")
+        return found
 
 
 def _three(name: str, value: float | Sequence[float]) -> tuple[float, float, float]:

@@ -54,7 +54,8 @@ class Bench:
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
     "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
-    from plants, `portable` asks for their Python packaging.
+    from plants, `portable` asks for their Python packaging. `controllers` are the controller
+    objects by component name.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class Bench:
         self.seed = seed
         self.fmi_version = fmi_version
         self.portable = portable
+        self.controllers: dict[str, Any] = {}
         self._components: dict[str, Component] = {}
         self._connections: list[Connection] = []
 
@@ -129,6 +131,7 @@ class Bench:
             source = _construct(name, source, parameters)
         elif parameters:
             raise UsageError(f"component {name}: parameters are taken with a name or a class only")
+        self.controllers[name] = source
         if not isinstance(source, Block) and hasattr(source, "block"):
             source = source.block(period / 1e9)
         if isinstance(source, Block):

@@ -10,8 +10,10 @@ from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
-from harness.errors import RecordingError
+from harness.errors import ExperimentError, RecordingError
 from harness.experiment.experiment import Experiment
+from harness.experiment.schema import PlotSpec
+from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures, signals_plot
 from harness.results.result import Result
 from harness.results.step_response import metric_units
@@ -86,10 +88,44 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results
         }
+        if plot.membership is not None:
+            drawn |= _membership(experiment, results, name, plot)
+            continue
         signals = [s for s in plot.signals if any(s in result for result in chosen.values())]
         if signals:
             drawn[name] = gains_plot(chosen, signals, title=plot.title or title)
     return drawn
+
+
+def _membership(
+    experiment: Experiment, results: Results, name: str, plot: PlotSpec
+) -> dict[str, Figure]:
+    """Membership functions of a controller at the first and the last row, a figure an axis."""
+    variant = next((v for v in (plot.variants or results) if v in results), None)
+    if variant is None:
+        return {}
+    component, result = plot.membership or "", results[variant]
+    controller = experiment.bench(variant).controllers.get(component)
+    if controller is None or not hasattr(controller, "membership_curves"):
+        raise ExperimentError(
+            f"{experiment.path}: plots.{name}.membership: component {component!r} of variant "
+            f"{variant!r} has no membership functions that change"
+        )
+    prefix = f"{component}."
+    first, last = (
+        {
+            n.removeprefix(prefix): float(result[n][row])
+            for n in result.names
+            if n.startswith(prefix)
+        }
+        for row in (0, -1)
+    )
+    before, after = controller.membership_curves(first), controller.membership_curves(last)
+    title = plot.title or experiment.spec.title
+    return {
+        f"{name}_{axis}": membership_plot(before[axis], after[axis], title=f"{title}: {axis}")
+        for axis in before
+    }
 
 
 def _units(experiment: Experiment, results: Results) -> dict[str, str]:
