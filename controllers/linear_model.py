@@ -69,7 +69,9 @@ def linear_model(
     """The model for A (n, n), B (n, n_u), G (n, n_w); raises `ControllerError` for other shapes."""
     n, n_u, n_w = len(states), len(inputs), len(noises)
     for name, array, shape in (("A", A, (n, n)), ("B", B, (n, n_u)), ("G", G, (n, n_w))):
-        require(np.shape(array) == shape, f"linear_model: {name}", f"shape {shape}", np.shape(array))
+        require(
+            np.shape(array) == shape, f"linear_model: {name}", f"shape {shape}", np.shape(array)
+        )
     parts = ([n_u, n_w], A, B, G)
     return Model(
         states=states,
