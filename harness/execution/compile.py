@@ -5,6 +5,11 @@ as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, 
 the array lengths fixed. The machine code is cached on disk under a fingerprint of all that code,
 so a change in a helper of another module is noticed, which numba's own cache does not.
 
+Every rebuilt function bears its fingerprint in its name, and the fingerprint covers the functions
+that it names. Symbols of code from the cache share one space with all other code of the process,
+and of two equal ones the first wins: functions of one name and different content (one template
+bound to two models) must not have the same symbol.
+
 It refuses step functions that raise: a block reports that it cannot go on by writing NaN.
 """
 
@@ -59,14 +64,13 @@ def compile_step(block: Block) -> CompiledStep:
 
 @lru_cache(maxsize=256)
 def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
-    digest = hashlib.sha256(repr(sizes).encode())
-    step = _rebuild(function, {}, digest)
+    step, fingerprint = _rebuild(function, {})
     scope = {
         **globals(),
         "step": step,
         **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
     }
-    name = f"step_{digest.hexdigest()[:24]}"
+    name = f"step_{hashlib.sha256(f'{fingerprint}{sizes}'.encode()).hexdigest()[:24]}"
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
@@ -79,8 +83,8 @@ def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
     return CompiledStep(compiled.address, compiled)
 
 
-def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
-    """`function` as a numba function whose helpers are numba functions too."""
+def _rebuild(function: Any, done: dict[int, tuple[Any, str]]) -> tuple[Any, str]:
+    """`function` as a numba function whose helpers are numba functions too, and its fingerprint."""
     if hasattr(function, "py_func"):
         function = function.py_func
     if id(function) in done:
@@ -93,6 +97,7 @@ def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
             "through the block's parameters"
         )
     _refuse_raise(function)
+    digest = hashlib.sha256(repr(function.__defaults__).encode())
     _feed(digest, function.__code__)
     scope = dict(function.__globals__)
     for name in function.__code__.co_names:
@@ -100,7 +105,8 @@ def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
             continue
         value = scope[name]
         if isinstance(value, FunctionType) or hasattr(value, "py_func"):
-            scope[name] = _rebuild(value, done, digest)
+            scope[name], fingerprint = _rebuild(value, done)
+            digest.update(f"{name}={fingerprint};".encode())
         elif isinstance(value, (*_SCALARS, tuple)):
             digest.update(f"{name}={value!r};".encode())
         elif isinstance(value, np.ndarray):
@@ -110,11 +116,11 @@ def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
                 f"step function {_label(function)} uses {name}, a {type(value).__name__}; it may "
                 "use functions, numbers and the math module"
             )
-    plain = FunctionType(
-        function.__code__, scope, function.__name__, function.__defaults__, function.__closure__
-    )
-    plain.__module__ = function.__module__
-    done[id(function)] = njit(plain, error_model="numpy")
+    fingerprint = digest.hexdigest()
+    own = f"{function.__name__}_{fingerprint[:24]}"
+    plain = FunctionType(function.__code__, scope, own, function.__defaults__)
+    plain.__qualname__, plain.__module__ = own, function.__module__
+    done[id(function)] = njit(plain, error_model="numpy"), fingerprint
     return done[id(function)]
 
 
