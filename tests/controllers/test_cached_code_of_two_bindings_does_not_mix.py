@@ -60,7 +60,7 @@ def test_each_is_compiled_in_its_own_process_and_both_are_loaded_into_a_third(
     tmp_path: Path,
 ) -> None:
     script = f"import sys; from {__name__} import compiled; print(*map(compiled, sys.argv[1:]))"
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.getcwd()}
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(Path.cwd())}
 
     def apart(*names: str) -> list[float]:
         command = [sys.executable, "-c", script, *names]
