@@ -5,10 +5,9 @@ as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, 
 the array lengths fixed. The machine code is cached on disk under a fingerprint of all that code,
 so a change in a helper of another module is noticed, which numba's own cache does not.
 
-Every rebuilt function bears its fingerprint in its name, and the fingerprint covers the functions
-that it names. Symbols of code from the cache share one space with all other code of the process,
-and of two equal ones the first wins: functions of one name and different content (one template
-bound to two models) must not have the same symbol.
+Every rebuilt function bears the fingerprint of its step in its name. Code from the cache shares
+one space of symbols with all other code of the process, and of two equal symbols the first wins:
+functions of one name in two steps (a template bound to two models) must not have the same symbol.
 
 It refuses step functions that raise: a block reports that it cannot go on by writing NaN.
 """
@@ -17,9 +16,8 @@ from __future__ import annotations
 
 import dis
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -33,6 +31,7 @@ from harness.system.block import Block, StepFunction
 _POINTER = types.CPointer(types.float64)
 _SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
 _SCALARS = (bool, int, float, np.integer, np.floating)
+_MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
 
 
 class CompileError(HarnessError):
@@ -47,7 +46,7 @@ class CompiledStep:
     keep: Any
 
 
-def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by compile_step
+def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _compile
     arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
     step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
@@ -59,18 +58,24 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    return _compile(block.step, sizes)
+    function = _plain(block.step)
+    digest = hashlib.sha256(repr(sizes).encode())
+    _fingerprint(function, (), {}, digest)
+    name = f"step_{digest.hexdigest()[:24]}"
+    if name not in _compiled:
+        _compiled[name] = _compile(function, sizes, name)
+    return _compiled[name]
 
 
-@lru_cache(maxsize=256)
-def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
-    step, fingerprint = _rebuild(function, {})
+_compiled: dict[str, CompiledStep] = {}
+
+
+def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
     scope = {
         **globals(),
-        "step": step,
+        "step": _rebuild(function, name, {}),
         **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
     }
-    name = f"step_{hashlib.sha256(f'{fingerprint}{sizes}'.encode()).hexdigest()[:24]}"
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
@@ -83,48 +88,95 @@ def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
     return CompiledStep(compiled.address, compiled)
 
 
-def _rebuild(function: Any, done: dict[int, tuple[Any, str]]) -> tuple[Any, str]:
-    """`function` as a numba function whose helpers are numba functions too, and its fingerprint."""
-    if hasattr(function, "py_func"):
-        function = function.py_func
-    if id(function) in done:
-        return done[id(function)]
+def _plain(function: Any) -> FunctionType:
+    """The Python function itself, also of one that numba has decorated."""
+    function = getattr(function, "py_func", function)
     if not isinstance(function, FunctionType):
         raise CompileError(f"{function!r} is no plain Python function, so it cannot be compiled")
+    return function
+
+
+def _is_function(value: Any) -> bool:
+    return isinstance(value, FunctionType) or hasattr(value, "py_func")
+
+
+def _named(function: FunctionType) -> dict[str, Any]:
+    """The global values that a function names, in itself or in functions inside it."""
+
+    def names(code: CodeType) -> Iterator[str]:
+        yield from code.co_names
+        for constant in code.co_consts:
+            if isinstance(constant, CodeType):
+                yield from names(constant)
+
+    known = function.__globals__
+    return {name: known[name] for name in names(function.__code__) if name in known}
+
+
+def _fingerprint(
+    function: FunctionType, callers: tuple[FunctionType, ...], seen: dict[int, int], digest: Any
+) -> None:
+    """Feed all that the machine code of `function` depends on; refuse what cannot be compiled."""
+    if function in callers:
+        raise CompileError(
+            f"step function {_label(function)} calls itself, which compiled blocks may not; write "
+            "a loop"
+        )
+    known = id(function) in seen
+    digest.update(f"function {seen.setdefault(id(function), len(seen))};".encode())
+    if known:
+        return
+    _refuse(function)
+    _feed(digest, function.__code__)
+    digest.update(repr((function.__defaults__, function.__kwdefaults__)).encode())
+    for name, value in _named(function).items():
+        digest.update(f"{name}={_identity(function, name, value)};".encode())
+        if _is_function(value):
+            _fingerprint(_plain(value), (*callers, function), seen, digest)
+
+
+def _identity(function: FunctionType, name: str, value: Any) -> str:
+    """What stands for a global value in the fingerprint; raises where it may not be used."""
+    if isinstance(value, (*_SCALARS, tuple)):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if _is_function(value):
+        return "function"
+    if isinstance(value, ModuleType) and value.__name__ in _MODULES:
+        return value.__name__
+    if isinstance(value, (type, BuiltinFunctionType, np.ufunc)):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}"
+    kind = f"module {value.__name__}" if isinstance(value, ModuleType) else type(value).__name__
+    raise CompileError(
+        f"step function {_label(function)} uses {name}, a {kind}; it may use functions and numbers "
+        "by name, and the modules math and numpy"
+    )
+
+
+def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
+    """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
+    if id(function) not in done:
+        helpers = {
+            name: _rebuild(_plain(value), step, done)
+            for name, value in _named(function).items()
+            if _is_function(value)
+        }
+        scope = {**function.__globals__, **helpers}
+        own = f"{function.__name__}_in_{step}"
+        plain = FunctionType(function.__code__, scope, own, function.__defaults__)
+        plain.__qualname__ = own
+        plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
+        done[id(function)] = njit(plain, error_model="numpy")
+    return done[id(function)]
+
+
+def _refuse(function: FunctionType) -> None:
     if function.__closure__:
         raise CompileError(
             f"step function {_label(function)} uses variables of an enclosing function; pass them "
             "through the block's parameters"
         )
-    _refuse_raise(function)
-    digest = hashlib.sha256(repr(function.__defaults__).encode())
-    _feed(digest, function.__code__)
-    scope = dict(function.__globals__)
-    for name in function.__code__.co_names:
-        if name not in scope:
-            continue
-        value = scope[name]
-        if isinstance(value, FunctionType) or hasattr(value, "py_func"):
-            scope[name], fingerprint = _rebuild(value, done)
-            digest.update(f"{name}={fingerprint};".encode())
-        elif isinstance(value, (*_SCALARS, tuple)):
-            digest.update(f"{name}={value!r};".encode())
-        elif isinstance(value, np.ndarray):
-            digest.update(name.encode() + value.tobytes())
-        elif not isinstance(value, (ModuleType, type, BuiltinFunctionType, np.ufunc)):
-            raise CompileError(
-                f"step function {_label(function)} uses {name}, a {type(value).__name__}; it may "
-                "use functions, numbers and the math module"
-            )
-    fingerprint = digest.hexdigest()
-    own = f"{function.__name__}_{fingerprint[:24]}"
-    plain = FunctionType(function.__code__, scope, own, function.__defaults__)
-    plain.__qualname__, plain.__module__ = own, function.__module__
-    done[id(function)] = njit(plain, error_model="numpy"), fingerprint
-    return done[id(function)]
-
-
-def _refuse_raise(function: Callable[..., Any]) -> None:
     for instruction in dis.get_instructions(function):
         if instruction.opname == "RAISE_VARARGS":
             line = function.__code__.co_firstlineno
