@@ -18,7 +18,12 @@ from numpy.typing import NDArray
 
 import fmus
 from fmus.plant import Plant
-from tests.fmus.plants.bench import Simulator, disturbance_generator, hybrid_actuator
+from tests.fmus.plants.bench import (
+    Simulator,
+    disturbance_generator,
+    electro_hydraulic_servo,
+    hybrid_actuator,
+)
 
 STOP_TIME = 0.4
 RTOL = 1e-10
@@ -37,9 +42,16 @@ def generator_inputs(t: float) -> tuple[float, ...]:
     return command, 1500.0 * (1 - cos(2 * pi * 2 * t))
 
 
+def servo_inputs(t: float) -> tuple[float, ...]:
+    """1 mA, then a reversal, with a current error and an outside force that swing."""
+    current = 1e-3 if t < 0.2 else -2e-3
+    return current, 1e-4 * sin(2 * pi * 7 * t), 100.0 * sin(2 * pi * 3 * t)
+
+
 CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
     (hybrid_actuator, hybrid_inputs),
     (disturbance_generator, generator_inputs),
+    (electro_hydraulic_servo, servo_inputs),
 )
 
 
