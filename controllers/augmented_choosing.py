@@ -27,12 +27,12 @@ from typing import Any
 
 import numpy as np
 
+from controllers.affine_model import affine, find_model, require_rest
 from controllers.bind import bind
 from controllers.block import Array, Block, Signal
 from controllers.choosing import ChoosingFunctions, choose
 from controllers.errors import require, require_finite, require_positive
 from controllers.estimator import Model
-from controllers.linear_model import affine, find_model, require_rest
 from controllers.lq import LQDesign, continuous_lq
 from controllers.lq_regulator import clipped, control_signals
 from controllers.state_weights import Weights, weight_matrix

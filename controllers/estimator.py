@@ -7,7 +7,9 @@ At sample instant k, with measurements z_k and the inputs u_{k−1} held since t
 
 At the first instant nothing is predicted: x_0 and P_0 are those before the first measurement.
 The input given at k is kept for the interval that begins there, which is the timing of a loop
-that applies u_k right after it read z_k. `score` may be that of a robust filter.
+that applies u_k right after it read z_k. Where the control is computed of the estimate itself,
+u_k does not exist yet: then the input given at k is u_{k−1} (a wire delayed by one sample), and
+`input_interval` is "past". `score` may be that of a robust filter.
 
 Without measurements the block simulates the model open loop: prediction alone.
 
@@ -25,14 +27,13 @@ import numpy as np
 from controllers.bind import bind
 from controllers.block import Array, Block, Signal
 from controllers.errors import require, require_choice, require_positive
-from controllers.extended_kalman import predict, update, update_work
+from controllers.estimator_step import estimator_step
+from controllers.extended_kalman import update_work
 from controllers.p_point import N_SCORE, gaussian_score
 from controllers.transition import (
     apply_map,
-    held_noise,
     integrate,
     model_slope,
-    reset_derivatives,
     transition_size,
     transition_work,
 )
@@ -40,84 +41,7 @@ from controllers.transition import (
 ModelFunction = Callable[[Array, Array, Array, Array], None]
 
 STAGES = {"runge_kutta": 4, "euler": 1, "map": 0}
-
-# Parameters: sizes and times, then q, extra, R, score and those of the model.
-P_N, P_NU, P_NW, P_M, P_STAGES, P_SUBSTEPS, P_T, P_Q = range(8)
-# State: whether the block has run, then u, X, P, Q, h, H, ν, γ and work space.
-X_STARTED, X_U = 0, 1
-
-
-def advance(
-    n: int, n_w: int, stages: int, substeps: int, T: float, p: Array, u: Array, X: Array,
-    work: Array,
-) -> None:  # fmt: skip
-    """Placeholder: `transition.integrate` or `transition.apply_map`, bound to a model."""
-
-
-def measurement(p: Array, x: Array, u: Array, h: Array) -> None:
-    """Placeholder: h(x, u) into `h` (m,); u is the input in force when z is read."""
-
-
-def measurement_jacobian(p: Array, x: Array, u: Array, H: Array) -> None:
-    """Placeholder: ∂h/∂x into `H` (m·n), row-major, every element."""
-
-
-def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
-    """Step of `Estimator`: inputs of the model, then measurements."""
-    n, n_u, n_w, m = int(p[P_N]), int(p[P_NU]), int(p[P_NW]), int(p[P_M])
-    at_extra = P_Q + n_w
-    at_r = at_extra + n
-    at_score = at_r + m * m
-    model = p[at_score + N_SCORE :]
-    at_x = X_U + n_u
-    at_p = at_x + transition_size(n, n_w)
-    at_h = at_p + 2 * n * n
-    at_nu = at_h + m + m * n
-    held = x[X_U:at_x]
-    X = x[at_x:at_p]
-    P = x[at_p : at_p + n * n]
-    h = x[at_h : at_h + m]
-    H = x[at_h + m : at_nu]
-    nu = x[at_nu : at_nu + m]
-    gamma = x[at_nu + m : at_nu + 2 * m]
-    work = x[at_nu + 2 * m :]
-    if x[X_STARTED] > 0.0:
-        Q = x[at_p + n * n : at_h]
-        reset_derivatives(n, n_w, X)
-        advance(n, n_w, int(p[P_STAGES]), int(p[P_SUBSTEPS]), p[P_T], model, held, X, work)
-        held_noise(n, n_w, p[P_Q:at_extra], p[at_extra:at_r], X, Q)
-        predict(n, P, X[n : n + n * n], Q, work)
-    x[X_STARTED] = 1.0
-    measurement(model, X[:n], held, h)
-    measurement_jacobian(model, X[:n], held, H)
-    for a in range(m):
-        nu[a] = u[n_u + a] - h[a]
-    R = p[at_r:at_score]
-    squared = update(n, m, X[:n], P, nu, H, R, p[at_score : at_score + N_SCORE], gamma, work)
-    for j in range(n_u):
-        held[j] = u[j]
-    show_estimate(n, m, X, P, nu, squared, work, y)
-
-
-def show_estimate(
-    n: int, m: int, X: Array, P: Array, nu: Array, squared: float, work: Array, y: Array
-) -> None:
-    """Estimate, its deviations, innovation and its deviation, νᵀS⁻¹ν and gain, into y."""
-    nm = n * m
-    K = work[2 * nm : 3 * nm]
-    L = work[3 * nm : 3 * nm + m * m]
-    for i in range(n):
-        y[i] = X[i]
-        y[n + i] = max(P[i * n + i], 0.0) ** 0.5
-    for a in range(m):
-        total = 0.0
-        for b in range(a + 1):
-            total = total + L[a * m + b] * L[a * m + b]
-        y[2 * n + a] = nu[a]
-        y[2 * n + m + a] = total**0.5
-    y[2 * n + 2 * m] = squared
-    for i in range(nm):
-        y[2 * n + 2 * m + 1 + i] = K[i]
+INPUT_INTERVALS = {"next": 0.0, "past": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -141,12 +65,13 @@ class Model:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measurement:
     """z = h(x, u) + v: `signals` (m), `output` h and `jacobian` ∂h/∂x as functions like those of
-    the model and of the same p, and the covariance `R` of v, shape (m, m)."""
+    the model, with `parameters` of their own as p, and the covariance `R` of v, shape (m, m)."""
 
     signals: tuple[Signal, ...]
     output: ModelFunction
     jacobian: ModelFunction
     R: Array
+    parameters: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,6 +84,8 @@ class Estimator:
     discretisation  "runge_kutta" or "euler" for a differential model, "map" for a map
     substeps        steps of it in a sample
     score           of the update, see `p_point`
+    input_interval  "next": the input given at k holds from k on; "past": it held until k
+    given_start     the first estimate comes through inputs `initial_…`, not from x_0
     """
 
     model: Model
@@ -170,11 +97,14 @@ class Estimator:
     discretisation: str = "runge_kutta"
     substeps: int = 1
     score: Array = field(default_factory=gaussian_score)
+    input_interval: str = "next"
+    given_start: bool = False
 
     def __post_init__(self) -> None:
         """Raise `ControllerError` for shapes and values that cannot be meant."""
         n, n_w, m = self.sizes
         require_choice("Estimator.discretisation", self.discretisation, STAGES)
+        require_choice("Estimator.input_interval", self.input_interval, INPUT_INTERVALS)
         whole = isinstance(self.substeps, int) and self.substeps >= 1
         require(whole, "Estimator.substeps", "a whole number from 1 on", self.substeps)
         shapes = {"q": (n_w,), "x_0": (n,), "P_0": (n, n), "score": (N_SCORE,)}
@@ -236,20 +166,29 @@ class Estimator:
             ),
         )
 
+    def start_inputs(self) -> tuple[Signal, ...]:
+        """The inputs `initial_…`, read at the first instant only, where the start is given."""
+        states = self.model.states if self.given_start else ()
+        text = "estimate before the first measurement"
+        return tuple(Signal(f"initial_{s.name}", s.unit, text) for s in states)
+
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
         require_positive("Estimator.block: sample_time", sample_time)
         n, n_w, m = self.sizes
         n_u = len(self.model.inputs)
         extra = np.zeros(n) if self.extra is None else self.extra
-        head = [n, n_u, n_w, m, STAGES[self.discretisation], self.substeps, sample_time]
-        parts = (head, self.q, extra, self.measurement.R, self.score, self.model.parameters)
+        n_p, stages = len(self.model.parameters), STAGES[self.discretisation]
+        past = INPUT_INTERVALS[self.input_interval]
+        head = [n, n_u, n_w, m, n_p, stages, self.substeps, sample_time, past, self.given_start]
+        own = (self.model.parameters, self.measurement.parameters)
+        parts = (head, self.q, extra, self.measurement.R, self.score, *own)
         X = np.zeros(transition_size(n, n_w))
         X[:n] = self.x_0
         work = max(transition_work(n, n_w), update_work(n, m))
         rest = n * n + m + m * n + 2 * m + work
         return Block(
-            inputs=(*self.model.inputs, *self.measurement.signals),
+            inputs=(*self.model.inputs, *self.measurement.signals, *self.start_inputs()),
             outputs=self.outputs(),
             step=self.step(),
             parameters=np.concatenate([np.ravel(a).astype(np.float64) for a in parts]),

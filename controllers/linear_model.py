@@ -1,171 +1,97 @@
-"""Models by name, their linear models, and linear measurements.
+"""A linear model for the estimator: dx/dt = A·x + B·u + G·w, or the map x⁺ = A·x + B·u + G·w.
 
-For dx/dt = f(x, u) with n states and r inputs, about (x_s, u_s):
-
-    dx/dt ≈ A·x + B·u + w,   A = ∂f/∂x,  B = ∂f/∂u,  w = f(x_s, u_s) − A·x_s − B·u_s
-
-B is exact where u enters linearly, f(x, u) = f(x) + g(x)·u, which `affine` demands.
-
-The kernels `linear_rate`, `linear_output` and their kin read A, B and H from the model's
-parameters, so that `Estimator` runs a linear Kalman filter by the code of the extended one.
+With it the extended Kalman filter is the Kalman filter. Numbers of states, inputs and noises are
+those of the matrices. This module refuses to know a filter.
 """
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
-
 import numpy as np
 
 from controllers.block import Array, Signal
-from controllers.errors import ControllerError, require
+from controllers.errors import require
 from controllers.estimator import Measurement, Model
 
-
-@dataclass(frozen=True, eq=False)
-class Affine:
-    """A (n, n), B (n, r) and w (n,) of dx/dt ≈ A·x + B·u + w."""
-
-    A: Array
-    B: Array
-    w: Array
+# p of the model: numbers of inputs and noises, then A, B, G row-major; p of the measurement: C.
+N_U, N_W, AT_A = 0, 1, 2
 
 
-def find_model(source: str | Model, parameters: Mapping[str, Any]) -> Model:
-    """The model that `source` names.
-
-    `source` is a model, or "package.module:Class" of a class that takes `parameters` by keyword
-    and has a method `model()`. Raises `ControllerError` where there is no such thing.
-    """
-    if isinstance(source, Model):
-        require(not parameters, "model_parameters", "none beside a ready model", dict(parameters))
-        return source
-    module, _, name = source.partition(":")
-    try:
-        kind = getattr(importlib.import_module(module), name)
-        made = kind(**parameters).model()
-    except ControllerError:
-        raise
-    except (ImportError, AttributeError, TypeError, ValueError) as fault:
-        raise ControllerError(
-            f"model {source!r}: expected 'package.module:Class' with a method model(), and the "
-            f"parameters it takes; {fault}."
-        ) from fault
-    require(isinstance(made, Model), f"model {source!r}", "a Model from its method model()", made)
-    return made  # type: ignore[no-any-return]
-
-
-def rate(model: Model, x: Array, u: Array) -> Array:
-    """f(x, u), shape (n,)."""
-    out = np.empty(len(model.states))
-    model.rate(model.parameters, np.asarray(x, dtype=np.float64), u, out)
-    return out
-
-
-def affine(model: Model, point: Sequence[float]) -> Affine:
-    """The linear model about (`point`, 0); raises `ControllerError` where f is not affine in u."""
-    n, r = len(model.states), len(model.inputs)
-    x = np.asarray(point, dtype=np.float64)
-    require(x.shape == (n,), "linear model: point", f"{n} numbers, one a state", tuple(point))
-    A = np.empty(n * n)
-    model.jacobian(model.parameters, x, np.zeros(r), A)
-    A = A.reshape(n, n)
-    at_rest = rate(model, x, np.zeros(r))
-    B = np.empty((n, r))
-    for j, unit in enumerate(np.eye(r)):
-        B[:, j] = rate(model, x, unit) - at_rest
-        bent = rate(model, x, -unit) - at_rest + B[:, j]
-        legal = np.abs(bent).max() <= 1e-9 * (np.abs(at_rest).max() + np.abs(B[:, j]).max())
-        require(bool(legal), f"linear model at {tuple(point)}: input {model.inputs[j].name}",
-                "a rate that is affine in it", bent.tolist())  # fmt: skip
-    return Affine(A, B, at_rest - A @ x)
-
-
-def linear_rate(p: Array, x: Array, u: Array, out: Array) -> None:
-    """A·x + B·u; p begins with A (n·n) and B (n·r)."""
-    n = x.shape[0]
-    r = u.shape[0]
+def linear_rate(p: Array, x: Array, u: Array, rate: Array) -> None:
+    """A·x + B·u."""
+    n, n_u = len(x), int(p[N_U])
+    at_b = AT_A + n * n
     for i in range(n):
         total = 0.0
         for k in range(n):
-            total = total + p[i * n + k] * x[k]
-        for k in range(r):
-            total = total + p[n * n + i * r + k] * u[k]
-        out[i] = total
+            total = total + p[AT_A + i * n + k] * x[k]
+        for k in range(n_u):
+            total = total + p[at_b + i * n_u + k] * u[k]
+        rate[i] = total
 
 
 def linear_jacobian(p: Array, x: Array, u: Array, A: Array) -> None:
     """A."""
-    for i in range(A.shape[0]):
-        A[i] = p[i]
+    for i in range(len(x) * len(x)):
+        A[i] = p[AT_A + i]
 
 
 def linear_noise(p: Array, x: Array, u: Array, G: Array) -> None:
-    """G (n·n_w), which follows A and B in p."""
-    n = x.shape[0]
-    at = n * n + n * u.shape[0]
-    for i in range(G.shape[0]):
-        G[i] = p[at + i]
-
-
-def linearised(model: Model) -> Model:
-    """The linear model about x = 0, u = 0, where f must be 0; its noise is that at 0 too."""
-    n, r = len(model.states), len(model.inputs)
-    about = affine(model, np.zeros(n).tolist())
-    require_rest(model)
-    G = np.zeros(n * len(model.noises))
-    model.noise(model.parameters, np.zeros(n), np.zeros(r), G)
-    parameters = np.concatenate([about.A.ravel(), about.B.ravel(), G])
-    return replace(
-        model, parameters=parameters, rate=linear_rate, jacobian=linear_jacobian,
-        noise=linear_noise,
-    )  # fmt: skip
-
-
-def require_rest(model: Model) -> None:
-    """Raise `ControllerError` unless f(0, 0) = 0."""
-    drift = rate(model, np.zeros(len(model.states)), np.zeros(len(model.inputs)))
-    legal = bool(np.abs(drift).max() < 1e-9)
-    require(legal, "model at x = 0, u = 0", "an equilibrium, f(0) = 0", drift.tolist())
+    """G."""
+    n = len(x)
+    at_g = AT_A + n * n + n * int(p[N_U])
+    for i in range(n * int(p[N_W])):
+        G[i] = p[at_g + i]
 
 
 def linear_output(p: Array, x: Array, u: Array, h: Array) -> None:
-    """H·x; p ends with H (m·n)."""
-    n = x.shape[0]
-    m = h.shape[0]
-    at = p.shape[0] - m * n
-    for a in range(m):
+    """C·x."""
+    for a in range(len(h)):
         total = 0.0
-        for k in range(n):
-            total = total + p[at + a * n + k] * x[k]
+        for k in range(len(x)):
+            total = total + p[a * len(x) + k] * x[k]
         h[a] = total
 
 
 def linear_output_jacobian(p: Array, x: Array, u: Array, H: Array) -> None:
-    """H, which p ends with."""
-    at = p.shape[0] - H.shape[0]
-    for i in range(H.shape[0]):
-        H[i] = p[at + i]
+    """C."""
+    for i in range(len(p)):
+        H[i] = p[i]
 
 
-def measure_states(model: Model, names: Sequence[str], R: Array) -> tuple[Model, Measurement]:
-    """Measurement of some states, each the input `measured_…` with noise of covariance R (m, m).
+def linear_model(
+    states: tuple[Signal, ...],
+    inputs: tuple[Signal, ...],
+    noises: tuple[Signal, ...],
+    A: Array,
+    B: Array,
+    G: Array,
+) -> Model:
+    """The model for A (n, n), B (n, n_u), G (n, n_w); raises `ControllerError` for other shapes."""
+    n, n_u, n_w = len(states), len(inputs), len(noises)
+    for name, array, shape in (("A", A, (n, n)), ("B", B, (n, n_u)), ("G", G, (n, n_w))):
+        require(
+            np.shape(array) == shape, f"linear_model: {name}", f"shape {shape}", np.shape(array)
+        )
+    parts = ([n_u, n_w], A, B, G)
+    return Model(
+        states=states,
+        inputs=inputs,
+        noises=noises,
+        parameters=np.concatenate([np.ravel(part).astype(np.float64) for part in parts]),
+        rate=linear_rate,
+        jacobian=linear_jacobian,
+        noise=linear_noise,
+    )
 
-    Returns the model too, for H is put at the end of its parameters.
-    """
-    known = [state.name for state in model.states]
-    for name in names:
-        require(name in known, "measured", "names of states: " + ", ".join(known), name)
-    rows = [known.index(name) for name in names]
-    H = np.eye(len(known))[rows]
-    signals = tuple(
-        Signal(f"measured_{model.states[i].name}", model.states[i].unit,
-               f"what the sensor reads: {model.states[i].description}")
-        for i in rows
-    )  # fmt: skip
-    extended = replace(model, parameters=np.concatenate([model.parameters, H.ravel()]))
-    return extended, Measurement(
-        signals=signals, output=linear_output, jacobian=linear_output_jacobian, R=R
+
+def linear_measurement(signals: tuple[Signal, ...], C: Array, R: Array) -> Measurement:
+    """z = C·x + v for C (m, n) and the covariance R (m, m) of v."""
+    require(np.ndim(C) == 2, "linear_measurement: C", "a matrix", np.shape(C))
+    require(len(C) == len(signals), "linear_measurement: C", f"{len(signals)} rows", len(C))
+    return Measurement(
+        signals=signals,
+        output=linear_output,
+        jacobian=linear_output_jacobian,
+        R=R,
+        parameters=np.ravel(C).astype(np.float64),
     )

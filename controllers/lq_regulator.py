@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from controllers.affine_model import affine, find_model, require_rest
 from controllers.block import Array, Block, Signal
 from controllers.errors import require
 from controllers.estimator import Model
-from controllers.linear_model import affine, find_model, require_rest
 from controllers.lq import LQDesign, continuous_lq
 from controllers.state_weights import Weights, weight_matrix
 

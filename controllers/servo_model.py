@@ -19,6 +19,7 @@ The noise is w = (Δi, ΔF_L). This module refuses to know a filter.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,8 +27,9 @@ import numpy as np
 from controllers.block import Array, Signal
 from controllers.errors import require, require_not_negative, require_positive
 from controllers.estimator import Measurement, Model
+from controllers.linear_model import linear_model
 
-A21, A22, A23, A32, A33, A34, A44, B, BY_FORCE, PS, SIGN_WIDTH, ROOT_WIDTH = range(12)
+A21, A22, A23, A32, A33, A34, A44, B_CURRENT, B_FORCE, PS, SIGN_WIDTH, ROOT_WIDTH = range(12)
 
 STATES = (
     Signal("position", "m", "load displacement"),
@@ -37,19 +39,19 @@ STATES = (
 )
 INPUTS = (Signal("current", "A", "commanded current"),)
 NOISES = (Signal("current_error", "A", "Δi"), Signal("load_force", "N", "ΔF_L"))
-POSITION = Signal("measured_position", "m", "what the position sensor reads")
-SPEED = Signal("measured_velocity", "m/s", "what the speed sensor reads")
+POSITION = Signal("measured", "m", "what the position sensor reads")
+SPEED = Signal("measured", "m/s", "what the speed sensor reads")
 
 
 def servo_rate(p: Array, x: Array, u: Array, rate: Array) -> None:
     """f of (8)."""
-    sign = x[3] / (x[3] * x[3] + p[SIGN_WIDTH] * p[SIGN_WIDTH]) ** 0.5
+    sign = x[3] / math.sqrt(x[3] * x[3] + p[SIGN_WIDTH] * p[SIGN_WIDTH])
     z = p[PS] - sign * x[2]
-    root = z / (z * z + p[ROOT_WIDTH] * p[ROOT_WIDTH]) ** 0.25
+    root = z / math.sqrt(math.sqrt(z * z + p[ROOT_WIDTH] * p[ROOT_WIDTH]))
     rate[0] = x[1]
     rate[1] = p[A21] * x[0] + p[A22] * x[1] + p[A23] * x[2]
     rate[2] = p[A32] * x[1] + p[A33] * x[2] + p[A34] * x[3] * root
-    rate[3] = p[A44] * x[3] + p[B] * u[0]
+    rate[3] = p[A44] * x[3] + p[B_CURRENT] * u[0]
 
 
 def servo_jacobian(p: Array, x: Array, u: Array, A: Array) -> None:
@@ -57,12 +59,13 @@ def servo_jacobian(p: Array, x: Array, u: Array, A: Array) -> None:
     for i in range(16):
         A[i] = 0.0
     spread = x[3] * x[3] + p[SIGN_WIDTH] * p[SIGN_WIDTH]
-    sign = x[3] / spread**0.5
-    turn = p[SIGN_WIDTH] * p[SIGN_WIDTH] / spread**1.5
+    sign = x[3] / math.sqrt(spread)
+    turn = p[SIGN_WIDTH] * p[SIGN_WIDTH] / (spread * math.sqrt(spread))
     z = p[PS] - sign * x[2]
     softened = z * z + p[ROOT_WIDTH] * p[ROOT_WIDTH]
-    root = z / softened**0.25
-    slope = (0.5 * z * z + p[ROOT_WIDTH] * p[ROOT_WIDTH]) / softened**1.25
+    fourth = math.sqrt(math.sqrt(softened))
+    root = z / fourth
+    slope = (0.5 * z * z + p[ROOT_WIDTH] * p[ROOT_WIDTH]) / (softened * fourth)
     A[1] = 1.0
     A[4] = p[A21]
     A[5] = p[A22]
@@ -77,8 +80,8 @@ def servo_noise(p: Array, x: Array, u: Array, G: Array) -> None:
     """∂f/∂w of (10), shape (4·2,): Δi moves the spool, ΔF_L slows the load."""
     for i in range(8):
         G[i] = 0.0
-    G[3] = p[BY_FORCE]
-    G[6] = p[B]
+    G[3] = p[B_FORCE]
+    G[6] = p[B_CURRENT]
 
 
 def position_output(p: Array, x: Array, u: Array, h: Array) -> None:
@@ -144,7 +147,7 @@ class ServoParameters:
         """The coefficients of (8) in the order of A21 … ROOT_WIDTH."""
         q = self
         stiffness = 4.0 * q.bulk_modulus / q.total_volume
-        flow = q.discharge_coefficient * q.spool_gradient / q.oil_density**0.5
+        flow = q.discharge_coefficient * q.spool_gradient / math.sqrt(q.oil_density)
         return np.array(
             [
                 -q.spring_stiffness / q.load_mass,
@@ -173,6 +176,15 @@ class ServoParameters:
             jacobian=servo_jacobian,
             noise=servo_noise,
         )
+
+    def linear(self) -> Model:
+        """The model linearised at rest, valve closed: for a Kalman filter that is not extended."""
+        p, x, u = self.coefficients(), np.zeros(4), np.zeros(1)
+        A, G, B = np.zeros(16), np.zeros(8), np.zeros((4, 1))
+        servo_jacobian(p, x, u, A)
+        servo_noise(p, x, u, G)
+        B[3, 0] = p[B_CURRENT]
+        return linear_model(STATES, INPUTS, NOISES, A.reshape(4, 4), B, G.reshape(4, 2))
 
 
 def servo_measurement(kind: str, std: float) -> Measurement:

@@ -73,7 +73,7 @@ def _not_finite(program: Program, name: str, when: str) -> str:
 def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: str) -> str:
     _, kind, first, last, *_ = map(int, program.code[int(program.clock[OPERATION])])
     room = np.zeros(8, dtype=np.uint8)
-    slot = next(s for s in range(first, last) if not encode(kind, program.v[s : s + 1], room, 0))
+    slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
     port = next(end for end, place in program.layout.slots.items() if place == slot)
     type_name = instances[port.component].description.variable(port.variable).type
     return (

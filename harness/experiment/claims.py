@@ -8,10 +8,9 @@ must lie wholly on one side of the limit, or the claim stays undecided.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -130,11 +129,8 @@ class Evidence:
     regions: Mapping[str, Region] = field(default_factory=dict)
 
 
-class Source(Protocol):
-    """Gives the evidence of an experiment by name."""
-
-    def __call__(self, experiment: str) -> Evidence:
-        """The evidence; raises `UsageError` for an unknown name."""
+Source = Callable[[str], Evidence]
+"""Gives the evidence of an experiment by name; raises `UsageError` for an unknown one."""
 
 
 def load_claims(path: Path) -> ClaimsSpec:
