@@ -69,9 +69,9 @@ def affine(model: Model, point: Sequence[float]) -> Affine:
     n, r = len(model.states), len(model.inputs)
     x = np.asarray(point, dtype=np.float64)
     require(x.shape == (n,), "linear model: point", f"{n} numbers, one a state", tuple(point))
-    A = np.empty(n * n)
-    model.jacobian(model.parameters, x, np.zeros(r), A)
-    A = A.reshape(n, n)
+    flat = np.empty(n * n)
+    model.jacobian(model.parameters, x, np.zeros(r), flat)
+    A = flat.reshape(n, n)
     at_rest = rate(model, x, np.zeros(r))
     B = np.empty((n, r))
     for j, unit in enumerate(np.eye(r)):

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -141,12 +142,13 @@ class AugmentedChoosing:
             require(i in held, f"{name}.points: χ_{i}", f"a point in section {i}", point)
         require(not any(self.points[0]), f"{name}.points: χ_0", "the rest, 0", self.points[0])
         require_rest(model)
-        self.designs()
+        _ = self.designs  # faults of the weights are found here
 
     def functions(self) -> ChoosingFunctions:
         """The choosing functions of the sections."""
         return ChoosingFunctions(self.lower, self.upper, self.sharpness)
 
+    @cached_property
     def designs(self) -> tuple[LQDesign, ...]:
         """The LQ design of each section, on the augmented system (8)."""
         model, designs = self._model(), []
@@ -183,7 +185,7 @@ class AugmentedChoosing:
             len(model.states), len(model.inputs), functions.sections, functions.variables,
             self.sharpness, math.exp(-self.sigma * sample_time), self.u_min, self.u_max,
         ]  # fmt: skip
-        gains = [design.K.ravel() for design in self.designs()]
+        gains = [design.K.ravel() for design in self.designs]
         state = np.zeros(X_C + functions.variables + functions.sections)
         state[X_EXTRA] = self.extra_start
         return Block(

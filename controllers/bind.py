@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
 from types import FunctionType
 from typing import Any, TypeVar
 
@@ -32,11 +33,20 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def bind(template: F, **functions: Callable[..., Any]) -> F:
-    """A new plain function with the code of `template`, whose given names mean `functions`.
+    """A plain function with the code of `template`, whose given names mean `functions`.
 
-    The template is left as it is. Each name must be a function that the template's code names,
+    The template is left as it is. The same arguments give the same function, so that whoever
+    compiles it does so once. Each name must be a function that the template's code names,
     and the function given for it must take as many arguments. Raises `ControllerError` otherwise.
     """
+    return _bound(template, tuple(sorted(functions.items())))  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=256)
+def _bound(
+    template: Callable[..., Any], given_functions: tuple[tuple[str, Callable[..., Any]], ...]
+) -> Callable[..., Any]:
+    functions = dict(given_functions)
     where = f"bind({getattr(template, '__qualname__', template)})"
     if not isinstance(template, FunctionType) or template.__closure__:
         raise ControllerError(
@@ -57,7 +67,7 @@ def bind(template: F, **functions: Callable[..., Any]) -> F:
     bound.__module__ = template.__module__
     bound.__doc__ = template.__doc__
     bound.__annotations__ = template.__annotations__
-    return bound  # type: ignore[return-value]
+    return bound
 
 
 def _require_same_arguments(where: str, placeholder: FunctionType, function: object) -> None:

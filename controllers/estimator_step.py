@@ -35,7 +35,7 @@ def measurement_jacobian(p: Array, x: Array, u: Array, H: Array) -> None:
 
 
 def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
-    """Step of `Estimator`: inputs of the model, then measurements, then a start where it is given."""
+    """Step of `Estimator`: inputs of the model, measurements, and the start where it is given."""
     n, n_u, n_w, m = int(p[P_N]), int(p[P_NU]), int(p[P_NW]), int(p[P_M])
     at_extra = P_Q + n_w
     at_r = at_extra + n

@@ -49,7 +49,7 @@ def continuous_lq(A: Array, B: Array, Q: Array, R: Array) -> LQDesign:
     """
     A, B, Q, R = _checked("continuous_lq", A, B, Q, R)
     P = _solved("continuous_lq", linalg.solve_continuous_are, A, B, Q, R)
-    K = np.linalg.solve(R, B.T @ P)
+    K = np.asarray(np.linalg.solve(R, B.T @ P), dtype=np.float64)
     residual = P @ A + A.T @ P + Q - P @ B @ K
     poles = _poles(A - B @ K)
     _require_stable("continuous_lq", float(np.max(poles.real)), poles)
@@ -60,7 +60,7 @@ def discrete_lq(A: Array, B: Array, Q: Array, R: Array) -> LQDesign:
     """The design for x⁺ = A·x + B·u; shapes and faults as in `continuous_lq`."""
     A, B, Q, R = _checked("discrete_lq", A, B, Q, R)
     P = _solved("discrete_lq", linalg.solve_discrete_are, A, B, Q, R)
-    K = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
+    K = np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), dtype=np.float64)
     residual = A.T @ P @ A - P + Q - A.T @ P @ B @ K
     poles = _poles(A - B @ K)
     _require_stable("discrete_lq", float(np.max(np.abs(poles))) - 1.0, poles)
@@ -97,7 +97,7 @@ def _solved(where: str, solve: object, A: Array, B: Array, Q: Array, R: Array) -
 
 
 def _poles(closed_loop: Array) -> NDArray[np.complex128]:
-    return np.sort_complex(np.linalg.eigvals(closed_loop))
+    return np.sort_complex(np.linalg.eigvals(closed_loop).astype(np.complex128))
 
 
 def _require_stable(where: str, excess: float, poles: NDArray[np.complex128]) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -76,8 +77,9 @@ class LQRegulator:
         """Raise `ControllerError` for values that cannot be meant."""
         require(self.u_min < self.u_max, "LQRegulator.u_min, u_max", "u_min below",
                 (self.u_min, self.u_max))  # fmt: skip
-        self.design()
+        _ = self.design  # faults of the weights are found here
 
+    @cached_property
     def design(self) -> LQDesign:
         """The design on the model about x = 0, u = 0."""
         model = find_model(self.model, self.model_parameters)
@@ -96,5 +98,5 @@ class LQRegulator:
             inputs=model.states,
             outputs=control_signals(model),
             step=lq_step,
-            parameters=np.concatenate([head, self.design().K.ravel()]),
+            parameters=np.concatenate([head, self.design.K.ravel()]),
         )
