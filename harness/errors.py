@@ -8,19 +8,17 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from harness.results.result import Result
+from typing import Any
 
 
 class HarnessError(Exception):
     """Base of all faults reported by the harness.
 
-    `result` holds the rows that a run recorded before the fault, where there was a run.
+    `result` holds the rows that a run recorded before the fault (a `Result`), or None where there
+    was no run.
     """
 
-    result: Result | None = None
+    result: Any = None
 
 
 class UsageError(HarnessError):
@@ -57,7 +55,7 @@ class RecordingError(HarnessError):
 
 def nearest(name: str, legal: Iterable[str], *, limit: int = 3) -> str:
     """The legal names nearest to `name` as a phrase for an error, or all of them when few."""
-    names = sorted(legal)
+    names = sorted(set(legal))
     close = difflib.get_close_matches(name, names, n=limit, cutoff=0.5)
     if close:
         return "did you mean " + " or ".join(repr(one) for one in close) + "?"
