@@ -56,6 +56,8 @@ def custom(result: Result, spec: MetricSpec) -> float | None:
     values = result[spec.signal][rows]
     if spec.minus is not None:
         values = values - result[spec.minus][rows]
+    if spec.norm_with:
+        values = np.sqrt(values**2 + sum(result[name][rows] ** 2 for name in spec.norm_with))
     scale = 1.0
     if isinstance(spec.relative_to, str):
         scale = _rms(result[spec.relative_to][rows])

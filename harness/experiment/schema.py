@@ -114,11 +114,13 @@ class MeasureSpec(Strict):
 
 class MetricSpec(Strict):
     """One figure of the rows between `from` and `to` (s): a `kind` of `signal`, or of its
-    difference to `minus`; `relative_to` divides it by a number, or by the RMS of a signal."""
+    difference to `minus`, or of the Euclidean norm of `signal` and the signals `norm_with`;
+    `relative_to` divides it by a number, or by the RMS of a signal."""
 
     kind: Literal["rms", "mean", "mean_abs", "max_abs", "std", "final", "final_abs"]
     signal: str
     minus: str | None = None
+    norm_with: tuple[str, ...] = ()
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     relative_to: float | str | None = None
