@@ -27,7 +27,7 @@ from controllers.errors import require, require_positive
 
 def logistic_difference(upper: float, lower: float) -> float:
     """s(upper) − s(lower) with s(z) = 1/(1 + exp(−z)), exact where both are close to 1."""
-    if upper + lower > 0.0:
+    if upper > -lower:
         return logistic(-lower) - logistic(-upper)
     return logistic(upper) - logistic(lower)
 

@@ -1,4 +1,4 @@
-"""The model that `augmented_choosing` works with, as a block to look at: (5) and (7) of Takata et al.
+"""The model that `augmented_choosing` works with, to look at: (5) and (7) of Takata et al.
 
 At the given states, without control:
 
