@@ -144,10 +144,12 @@ class AxisSpec(Strict):
 
 class SweepSpec(Strict):
     """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
-    is below `below`. A run that ends early is outside."""
+    is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
+    own, the same for all variants; else one realisation decides the whole picture."""
 
     outcome: str
     below: float
+    own_seeds: bool = False
     x: AxisSpec
     y: AxisSpec
 
