@@ -74,7 +74,10 @@ def custom(result: Result, spec: MetricSpec) -> float | None:
         scale = _rms(result[spec.relative_to][rows])
     elif spec.relative_to is not None:
         scale = spec.relative_to
-    return _KINDS[spec.kind](values) / scale if scale else None
+    if not scale:
+        return None
+    figure = _KINDS[spec.kind](values) / scale
+    return figure if spec.above is None else float(not figure <= spec.above)
 
 
 def _rms(values: Array) -> float:

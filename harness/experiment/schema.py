@@ -115,7 +115,8 @@ class MeasureSpec(Strict):
 class MetricSpec(Strict):
     """One figure of the rows between `from` and `to` (s): a `kind` of `signal`, or of its
     difference to `minus`, or of the Euclidean norm of `signal` and the signals `norm_with`;
-    `relative_to` divides it by a number, or by the RMS of a signal."""
+    `relative_to` divides it by a number, or by the RMS of a signal. With `above` it is a question:
+    1 where the figure is not within that limit, else 0; as "lost_loop" it counts lost runs."""
 
     kind: Literal["rms", "mean", "mean_abs", "max_abs", "std", "final", "final_abs"]
     signal: str
@@ -124,6 +125,7 @@ class MetricSpec(Strict):
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     relative_to: float | str | None = None
+    above: float | None = None
 
 
 class AxisSpec(Strict):
