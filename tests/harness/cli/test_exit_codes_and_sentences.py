@@ -63,7 +63,7 @@ def test_files_that_are_no_fmu(
     ("text", "code", "words"),
     [
         (FILE.replace("seed = 5", "sead = 5"), 2, "lag.toml: key sead: unknown key"),
-        (BAD_UNIT, 1, "'m' (m) cannot be converted to 'N' (kg.m.s-2)"),
+        (BAD_UNIT, 2, "'m' (m) cannot be converted to 'N' (kg.m.s-2)"),
         (FILE.replace("stop_time", "stop_tim"), 2, "key stop_time: this key is required"),
         ("title = ", 2, "is no valid TOML"),
     ],
