@@ -7,7 +7,9 @@ At sample instant k, with measurements z_k and the inputs u_{k−1} held since t
 
 At the first instant nothing is predicted: x_0 and P_0 are those before the first measurement.
 The input given at k is kept for the interval that begins there, which is the timing of a loop
-that applies u_k right after it read z_k. `score` may be that of a robust filter.
+that applies u_k right after it read z_k. Where the control is computed of the estimate itself,
+u_k does not exist yet: then the input given at k is u_{k−1} (a wire delayed by one sample), and
+`input_interval` is "past". `score` may be that of a robust filter.
 
 Without measurements the block simulates the model open loop: prediction alone.
 
@@ -39,6 +41,7 @@ from controllers.transition import (
 ModelFunction = Callable[[Array, Array, Array, Array], None]
 
 STAGES = {"runge_kutta": 4, "euler": 1, "map": 0}
+INPUT_INTERVALS = {"next": 0.0, "past": 1.0}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,6 +84,8 @@ class Estimator:
     discretisation  "runge_kutta" or "euler" for a differential model, "map" for a map
     substeps        steps of it in a sample
     score           of the update, see `p_point`
+    input_interval  "next": the input given at k holds from k on; "past": it held until k
+    given_start     the first estimate comes through inputs `initial_…`, not from x_0
     """
 
     model: Model
@@ -92,11 +97,14 @@ class Estimator:
     discretisation: str = "runge_kutta"
     substeps: int = 1
     score: Array = field(default_factory=gaussian_score)
+    input_interval: str = "next"
+    given_start: bool = False
 
     def __post_init__(self) -> None:
         """Raise `ControllerError` for shapes and values that cannot be meant."""
         n, n_w, m = self.sizes
         require_choice("Estimator.discretisation", self.discretisation, STAGES)
+        require_choice("Estimator.input_interval", self.input_interval, INPUT_INTERVALS)
         whole = isinstance(self.substeps, int) and self.substeps >= 1
         require(whole, "Estimator.substeps", "a whole number from 1 on", self.substeps)
         shapes = {"q": (n_w,), "x_0": (n,), "P_0": (n, n), "score": (N_SCORE,)}
@@ -158,6 +166,12 @@ class Estimator:
             ),
         )
 
+    def start_inputs(self) -> tuple[Signal, ...]:
+        """The inputs `initial_…`, read at the first instant only, where the start is given."""
+        states = self.model.states if self.given_start else ()
+        text = "estimate before the first measurement"
+        return tuple(Signal(f"initial_{s.name}", s.unit, text) for s in states)
+
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
         require_positive("Estimator.block: sample_time", sample_time)
@@ -165,7 +179,8 @@ class Estimator:
         n_u = len(self.model.inputs)
         extra = np.zeros(n) if self.extra is None else self.extra
         n_p, stages = len(self.model.parameters), STAGES[self.discretisation]
-        head = [n, n_u, n_w, m, n_p, stages, self.substeps, sample_time]
+        past = INPUT_INTERVALS[self.input_interval]
+        head = [n, n_u, n_w, m, n_p, stages, self.substeps, sample_time, past, self.given_start]
         own = (self.model.parameters, self.measurement.parameters)
         parts = (head, self.q, extra, self.measurement.R, self.score, *own)
         X = np.zeros(transition_size(n, n_w))
@@ -173,7 +188,7 @@ class Estimator:
         work = max(transition_work(n, n_w), update_work(n, m))
         rest = n * n + m + m * n + 2 * m + work
         return Block(
-            inputs=(*self.model.inputs, *self.measurement.signals),
+            inputs=(*self.model.inputs, *self.measurement.signals, *self.start_inputs()),
             outputs=self.outputs(),
             step=self.step(),
             parameters=np.concatenate([np.ravel(a).astype(np.float64) for a in parts]),

@@ -14,7 +14,7 @@ from controllers.p_point import N_SCORE
 from controllers.transition import held_noise, reset_derivatives, transition_size
 
 # Parameters: sizes and times, then q, extra, R, score, those of the model and of the measurement.
-P_N, P_NU, P_NW, P_M, P_NP, P_STAGES, P_SUBSTEPS, P_T, P_Q = range(9)
+P_N, P_NU, P_NW, P_M, P_NP, P_STAGES, P_SUBSTEPS, P_T, P_PAST_INPUT, P_GIVEN_START, P_Q = range(11)
 # State: whether the block has run, then u, X, P, Q, h, H, ν, γ and work space.
 X_STARTED, X_U = 0, 1
 
@@ -35,7 +35,7 @@ def measurement_jacobian(p: Array, x: Array, u: Array, H: Array) -> None:
 
 
 def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
-    """Step of `Estimator`: inputs of the model, then measurements."""
+    """Step of `Estimator`: inputs of the model, measurements, and the start where it is given."""
     n, n_u, n_w, m = int(p[P_N]), int(p[P_NU]), int(p[P_NW]), int(p[P_M])
     at_extra = P_Q + n_w
     at_r = at_extra + n
@@ -55,12 +55,18 @@ def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
     nu = x[at_nu : at_nu + m]
     gamma = x[at_nu + m : at_nu + 2 * m]
     work = x[at_nu + 2 * m :]
+    if p[P_PAST_INPUT] > 0.0:
+        for j in range(n_u):
+            held[j] = u[j]
     if x[X_STARTED] > 0.0:
         Q = x[at_p + n * n : at_h]
         reset_derivatives(n, n_w, X)
         advance(n, n_w, int(p[P_STAGES]), int(p[P_SUBSTEPS]), p[P_T], model, held, X, work)
         held_noise(n, n_w, p[P_Q:at_extra], p[at_extra:at_r], X, Q)
         predict(n, P, X[n : n + n * n], Q, work)
+    elif p[P_GIVEN_START] > 0.0:
+        for i in range(n):
+            X[i] = u[n_u + m + i]
     x[X_STARTED] = 1.0
     measurement(sensor, X[:n], held, h)
     measurement_jacobian(sensor, X[:n], held, H)

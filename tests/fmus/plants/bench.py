@@ -15,10 +15,11 @@ from fmus.electro_hydraulic_servo.model import plant as electro_hydraulic_servo
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
+from fmus.single_machine_infinite_bus.model import plant as single_machine_infinite_bus
 
 Array = NDArray[np.float64]
 AXES = (hybrid_actuator, disturbance_generator)
-PLANTS = (*AXES, electro_hydraulic_servo)
+PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus)
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -34,6 +35,8 @@ STATE_RANGES = {
     "velocity": (-0.1, 0.1),
     "load_pressure": (-95e5, 95e5),
     "spool_position": (-1e-5, 1e-5),
+    "angle_deviation": (-4.0, 4.0),
+    "speed": (-12.0, 12.0),
 }
 INPUT_RANGES = {
     "command": (-1.2, 1.2),
@@ -43,6 +46,8 @@ INPUT_RANGES = {
     "current": (-2e-3, 2e-3),
     "current_error": (-1e-3, 1e-3),
     "load_force": (-1e3, 1e3),
+    "field_deviation": (-10.0, 10.0),
+    "mechanical_power_deviation": (-0.5, 0.5),
 }
 
 
