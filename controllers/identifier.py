@@ -1,0 +1,252 @@
+"""Takagi–Sugeno identification of a running system, after Barragán et al., as a block.
+
+The block watches any signals in the loop, predicts the outputs one sample ahead with the NARX
+model of `controllers.narx`, and adapts the model by the extended Kalman filter of
+`controllers.adaptation`. It says what the model is worth (one-step prediction, free run,
+innovation) and what it knows that a controller needs: ∂y/∂u over one sample.
+
+**Wire the inputs with a delay of one sample**: at instant k the block wants u_{k−1}, which was
+held while y went to y_k. That is also what lets a controller read the block's sensitivity at the
+same instant without an algebraic loop.
+
+At the start the model is persistence, y_k = y_{k−1} (plus `start_sensitivity`·u_{k−1}).
+
+The step function is in `controllers.identifier_step`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from controllers.adaptation import Adaptation
+from controllers.block import Array, Block, Signal
+from controllers.errors import require, require_choice, require_not_negative, require_positive
+from controllers.fuzzy import Membership
+from controllers.identification import Uncertainty
+from controllers.identifier_step import N_SCALARS, identifier_step
+from controllers.membership import KINDS
+from controllers.narx import Lags, Scale
+from controllers.takagi_sugeno import TakagiSugeno, grid, partition
+from controllers.takagi_sugeno_kernels import model_work
+
+Sets = int | Sequence[tuple[str, Sequence[float]]]
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identifier(Uncertainty):
+    """Identifies a Takagi–Sugeno model of measured outputs online.
+
+    Fields beside those of `Uncertainty`, which count in scaled units:
+
+    outputs, inputs     names of the measured outputs and of the known inputs
+    output_ranges, input_ranges  (low, high) of each [its unit]: scaled to [−1, 1]
+    output_units, input_units    their units; left out, all "1"
+    output_lags, input_lags      how many past values of each the model sees
+    memberships         of regressors by name (`force_1` is the force one sample back): how many
+                        functions of `kind` part its range, or a list of (kind, parameters) in
+                        scaled units; those not named do not matter to the rules
+    kind                kind of the functions that are only counted
+    filter, p           "ekf", or "robust_ekf" with the mass p of the p-point score
+    noise_std           √R_e of each output [its unit]; left out, 1 % of half its range
+    start_sensitivity   of each output, of each input: ∂y/∂u at the start [units]; left out, 0
+    sensitivity_bounds  (low, high) of the coefficient of every newest input in every local model,
+                        for one output and one input [unit]: known sign and size of ∂y/∂u
+    learn_from, learn_until      when it adapts [s since its first sample]
+    free_run_from       from when the free run is on its own [s]
+    model               a model in scaled units in place of the grid of `memberships`
+    """
+
+    outputs: tuple[str, ...] = ("y",)
+    inputs: tuple[str, ...] = ("u",)
+    output_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
+    input_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
+    output_units: tuple[str, ...] = ()
+    input_units: tuple[str, ...] = ()
+    output_lags: int = 2
+    input_lags: int = 2
+    memberships: Mapping[str, Sets] = field(default_factory=dict)
+    kind: str = "gaussian"
+    filter: str = "ekf"
+    p: float = 0.05
+    noise_std: tuple[float, ...] = ()
+    start_sensitivity: tuple[tuple[float, ...], ...] = ()
+    sensitivity_bounds: Range | None = None
+    learn_from: float = 0.0
+    learn_until: float = math.inf
+    free_run_from: float = math.inf
+    model: TakagiSugeno | None = None
+
+    def __post_init__(self) -> None:
+        """Raise `ControllerError` for values that cannot be meant."""
+        super().__post_init__()
+        m, q = len(self.outputs), len(self.inputs)
+        names = (*self.outputs, *self.inputs)
+        require(len(set(names)) == m + q, "Identifier.outputs, inputs", "names that differ", names)
+        lengths = {"output_ranges": m, "input_ranges": q, "output_units": m, "input_units": q,
+                   "noise_std": m, "start_sensitivity": m}  # fmt: skip
+        for name, length in lengths.items():
+            given = getattr(self, name)
+            optional = not name.endswith("ranges") and len(given) == 0
+            expected = f"{length} entries, one for each"
+            require(optional or len(given) == length, f"Identifier.{name}", expected, given)
+        for row in self.start_sensitivity:
+            require(len(row) == q, "Identifier.start_sensitivity", f"rows of {q} numbers", row)
+        require(q == 0 or self.input_lags > 0, "Identifier.input_lags", "at least 1", 0)
+        require_choice("Identifier.kind", self.kind, KINDS)
+        legal = self.regressors
+        for name in self.memberships:
+            require_choice("Identifier.memberships", name, legal)
+        for name in ("learn_from", "learn_until", "free_run_from"):
+            value = getattr(self, name)
+            if value != math.inf:
+                require_not_negative(f"Identifier.{name}", value)
+        if self.model is not None:
+            received = (len(self.model.inputs), len(self.model.models))
+            expected = f"{len(legal)} inputs {legal} and {m} outputs"
+            require(received == (len(legal), m), "Identifier.model", expected, received)
+            require(not self.memberships, "Identifier.memberships", "none beside a model", legal)
+        if self.sensitivity_bounds is not None:
+            low, high = self.sensitivity_bounds
+            fits = m == 1 and q == 1 and low <= high
+            expected = "a pair (low, high), with one output and one input"
+            require(fits, "Identifier.sensitivity_bounds", expected, (low, high))
+        self.scales()
+        self.adapted()
+
+    @property
+    def lags(self) -> Lags:
+        """The form of the regressor."""
+        return Lags(len(self.outputs), len(self.inputs), self.output_lags, self.input_lags)
+
+    @property
+    def regressors(self) -> tuple[str, ...]:
+        """Names of the model's inputs."""
+        return self.lags.names(self.outputs, self.inputs)
+
+    def scales(self) -> tuple[Scale, ...]:
+        """Scales of the outputs, then of the inputs."""
+        return tuple(Scale(*one) for one in (*self.output_ranges, *self.input_ranges))
+
+    def start_model(self) -> TakagiSugeno:
+        """The model at the start, in scaled units."""
+        if self.model is not None:
+            return self.model
+        sets = [_sets(self.memberships.get(name, 1), self.kind) for name in self.regressors]
+        local = np.zeros((len(self.outputs), 1 + len(sets)))
+        for o in range(len(self.outputs)):
+            local[o, 1 + self.output_lags * o] = 1.0
+            for i in range(len(self.inputs)):
+                start = self.start_sensitivity[o][i] if self.start_sensitivity else 0.0
+                local[o, self._newest(i)] = start / self._unit_of(o, i)
+                # persistence about the middle of the input's range is persistence for u = 0
+                scale = self.scales()[len(self.outputs) + i]
+                local[o, 0] += local[o, self._newest(i)] * scale.centre / scale.half
+        return grid(sets, local.tolist())
+
+    def adapted(self) -> Adaptation:
+        """How the parameters of the start model are adapted."""
+        model = self.start_model()
+        halves = [scale.half for scale in self.scales()]
+        stds = self.noise_std or tuple(0.01 * half for half in halves[: len(self.outputs)])
+        for std in stds:
+            require_positive("Identifier.noise_std", std)
+        r = tuple((std / half) ** 2 for std, half in zip(stds, halves, strict=False))
+        return self.adaptation(model, r, filter=self.filter, p=self.p)
+
+    def bounds(self, model: TakagiSugeno) -> tuple[Array, Array]:
+        """Those of `Uncertainty`, and `sensitivity_bounds`."""
+        lower, upper = super().bounds(model)
+        if self.sensitivity_bounds is not None:
+            at = slice(model.n_antecedent + self._newest(0), None, 1 + len(self.regressors))
+            low, high = (value / self._unit_of(0, 0) for value in self.sensitivity_bounds)
+            lower[at], upper[at] = low, high
+        return lower, upper
+
+    def block(self, sample_time: float) -> Block:
+        """The block for this sample time [s]."""
+        require_positive("Identifier.block: sample_time", sample_time)
+        parts = self._parts()
+        m, q, lags = len(self.outputs), len(self.inputs), self.lags
+        scales = [value for scale in self.scales() for value in (scale.centre, scale.half)]
+        s, c = self.start_model().structure(), self.adapted().constants()
+        places = np.cumsum([N_SCALARS, *(len(one) for one in parts)])
+        s_at = 10 + len(places) + len(scales)
+        instants = [
+            round(t / sample_time) if t < math.inf else math.inf
+            for t in (self.learn_from, self.learn_until, self.free_run_from)
+        ]
+        head = [m, q, lags.output_lags, lags.input_lags, *instants, lags.first, s_at, s_at + len(s)]
+        return Block(
+            inputs=tuple(
+                Signal(name, unit, text)
+                for name, unit, text in zip(
+                    (*self.outputs, *self.inputs),
+                    self._units(),
+                    ("measured",) * m + ("held over the sample that ends: delay its wire by one",) * q,
+                    strict=True,
+                )
+            ),
+            outputs=self._signals(),
+            step=identifier_step,
+            parameters=np.concatenate([head, places, scales, s, c]).astype(np.float64),
+            state=np.concatenate([np.zeros(N_SCALARS), *parts]),
+        )
+
+    def _parts(self) -> list[Array]:
+        """The parts of x at the start, in the order of the X_ constants."""
+        model, adaptation = self.start_model(), self.adapted()
+        n, m, size = len(self.regressors), len(self.outputs), len(model.theta())
+        work = max(model_work(model.structure()), adaptation.work())
+        instant = [np.zeros(m)] * 6
+        return [
+            *[np.zeros(n)] * 3, *instant, model.theta(), adaptation.covariance(),
+            np.zeros(m * size), np.zeros(m * n), np.zeros(work),
+        ]  # fmt: skip
+
+    def _signals(self) -> tuple[Signal, ...]:
+        units, made = self._units(), []
+        for name, unit in zip(self.outputs, units, strict=False):
+            made += [
+                Signal(f"{name}_predicted", unit, "one-step prediction, before it is learnt"),
+                Signal(f"{name}_simulated", unit, "free run; measured until it is let go"),
+                Signal(f"{name}_innovation", unit, "measured − predicted"),
+                Signal(f"{name}_gamma", "1", "normalised innovation"),
+            ]
+        m = len(self.outputs)
+        for o, name in enumerate(self.outputs):
+            for i, known in enumerate(self.inputs):
+                unit = f"{units[o]}/{units[m + i]}".removesuffix("/1")
+                text = f"∂{name}/∂{known} over the sample that begins"
+                made.append(Signal(f"sensitivity_{name}_{known}", unit, text))
+        made += [
+            Signal("nis", "1", "normalised innovation squared"),
+            Signal("p_trace", "1", "trace of P"),
+            Signal("silent", "1", "outputs for which no rule fires"),
+        ]
+        model = self.start_model()
+        starts = zip(model.parameter_names(), model.theta().tolist(), strict=True)
+        return (*made, *(Signal(name, "1", "component of θ", start) for name, start in starts))
+
+    def _units(self) -> tuple[str, ...]:
+        outputs = self.output_units or ("1",) * len(self.outputs)
+        return (*outputs, *(self.input_units or ("1",) * len(self.inputs)))
+
+    def _newest(self, i: int) -> int:
+        """Place of the newest value of input i in a local model (a_0, …, a_n)."""
+        return 1 + self.output_lags * len(self.outputs) + self.input_lags * i
+
+    def _unit_of(self, o: int, i: int) -> float:
+        """What 1 in scaled units is as ∂(output o)/∂(input i)."""
+        scales = self.scales()
+        return scales[o].half / scales[len(self.outputs) + i].half
+
+
+def _sets(given: Sets, kind: str) -> tuple[Membership, ...]:
+    if isinstance(given, int):
+        return partition(kind, given)
+    return tuple(Membership(name, tuple(parameters)) for name, parameters in given)
