@@ -103,14 +103,14 @@ def _point(experiment: Experiment, variant: str, x: float, y: float) -> float:
         _set(changes, axis.key, value)
     moved = Experiment.from_data(data, experiment.path)
     try:
-        value = moved.run(variant).metrics.get(spec.outcome)
+        outcome = moved.run(variant).metrics.get(spec.outcome)
     except HarnessError as fault:
         if fault.result is None:
             raise
         return float("nan")
-    if value is None:
+    if outcome is None:
         raise ExperimentError(f"{experiment.path}: sweep.outcome {spec.outcome!r} is no metric")
-    return value
+    return outcome
 
 
 def _set(data: Table, key: str, value: float) -> None:
