@@ -43,10 +43,10 @@ class Identifier(Uncertainty):
 
     Fields beside those of `Uncertainty`, which count in scaled units:
 
-    outputs, inputs     names of the measured outputs and of the known inputs
-    output_ranges, input_ranges  (low, high) of each [its unit]: scaled to [−1, 1]
-    output_units, input_units    their units; left out, all "1"
-    output_lags, input_lags      how many past values of each the model sees
+    measured, exogenous names of the measured outputs and of the inputs that drive them
+    measured_ranges, exogenous_ranges  (low, high) of each [its unit]: scaled to [−1, 1]
+    measured_units, exogenous_units    their units; left out, all "1"
+    measured_lags, exogenous_lags      how many past values of each the model sees
     memberships         of regressors by name (`force_1` is the force one sample back): how many
                         functions of `kind` part its range, or a list of (kind, parameters) in
                         scaled units; those not named do not matter to the rules
@@ -61,14 +61,14 @@ class Identifier(Uncertainty):
     model               a model in scaled units in place of the grid of `memberships`
     """
 
-    outputs: tuple[str, ...] = ("y",)
-    inputs: tuple[str, ...] = ("u",)
-    output_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
-    input_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
-    output_units: tuple[str, ...] = ()
-    input_units: tuple[str, ...] = ()
-    output_lags: int = 2
-    input_lags: int = 2
+    measured: tuple[str, ...] = ("y",)
+    exogenous: tuple[str, ...] = ("u",)
+    measured_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
+    exogenous_ranges: tuple[Range, ...] = ((-1.0, 1.0),)
+    measured_units: tuple[str, ...] = ()
+    exogenous_units: tuple[str, ...] = ()
+    measured_lags: int = 2
+    exogenous_lags: int = 2
     memberships: Mapping[str, Sets] = field(default_factory=dict)
     kind: str = "gaussian"
     filter: str = "ekf"
@@ -84,10 +84,10 @@ class Identifier(Uncertainty):
     def __post_init__(self) -> None:
         """Raise `ControllerError` for values that cannot be meant."""
         super().__post_init__()
-        m, q = len(self.outputs), len(self.inputs)
-        names = (*self.outputs, *self.inputs)
-        require(len(set(names)) == m + q, "Identifier.outputs, inputs", "names that differ", names)
-        lengths = {"output_ranges": m, "input_ranges": q, "output_units": m, "input_units": q,
+        m, q = len(self.measured), len(self.exogenous)
+        names = (*self.measured, *self.exogenous)
+        require(len(set(names)) == m + q, "Identifier.measured, exogenous", "names that differ", names)
+        lengths = {"measured_ranges": m, "exogenous_ranges": q, "measured_units": m, "exogenous_units": q,
                    "noise_std": m, "start_sensitivity": m}  # fmt: skip
         for name, length in lengths.items():
             given = getattr(self, name)
@@ -96,7 +96,7 @@ class Identifier(Uncertainty):
             require(optional or len(given) == length, f"Identifier.{name}", expected, given)
         for row in self.start_sensitivity:
             require(len(row) == q, "Identifier.start_sensitivity", f"rows of {q} numbers", row)
-        require(q == 0 or self.input_lags > 0, "Identifier.input_lags", "at least 1", 0)
+        require(q == 0 or self.exogenous_lags > 0, "Identifier.exogenous_lags", "at least 1", 0)
         require_choice("Identifier.kind", self.kind, KINDS)
         legal = self.regressors
         for name in self.memberships:
@@ -121,30 +121,30 @@ class Identifier(Uncertainty):
     @property
     def lags(self) -> Lags:
         """The form of the regressor."""
-        return Lags(len(self.outputs), len(self.inputs), self.output_lags, self.input_lags)
+        return Lags(len(self.measured), len(self.exogenous), self.measured_lags, self.exogenous_lags)
 
     @property
     def regressors(self) -> tuple[str, ...]:
         """Names of the model's inputs."""
-        return self.lags.names(self.outputs, self.inputs)
+        return self.lags.names(self.measured, self.exogenous)
 
     def scales(self) -> tuple[Scale, ...]:
         """Scales of the outputs, then of the inputs."""
-        return tuple(Scale(*one) for one in (*self.output_ranges, *self.input_ranges))
+        return tuple(Scale(*one) for one in (*self.measured_ranges, *self.exogenous_ranges))
 
     def start_model(self) -> TakagiSugeno:
         """The model at the start, in scaled units."""
         if self.model is not None:
             return self.model
         sets = [_sets(self.memberships.get(name, 1), self.kind) for name in self.regressors]
-        local = np.zeros((len(self.outputs), 1 + len(sets)))
-        for o in range(len(self.outputs)):
-            local[o, 1 + self.output_lags * o] = 1.0
-            for i in range(len(self.inputs)):
+        local = np.zeros((len(self.measured), 1 + len(sets)))
+        for o in range(len(self.measured)):
+            local[o, 1 + self.measured_lags * o] = 1.0
+            for i in range(len(self.exogenous)):
                 start = self.start_sensitivity[o][i] if self.start_sensitivity else 0.0
                 local[o, self._newest(i)] = start / self._unit_of(o, i)
                 # persistence about the middle of the input's range is persistence for u = 0
-                scale = self.scales()[len(self.outputs) + i]
+                scale = self.scales()[len(self.measured) + i]
                 local[o, 0] += local[o, self._newest(i)] * scale.centre / scale.half
         return grid(sets, local.tolist())
 
@@ -152,7 +152,7 @@ class Identifier(Uncertainty):
         """How the parameters of the start model are adapted."""
         model = self.start_model()
         halves = [scale.half for scale in self.scales()]
-        stds = self.noise_std or tuple(0.01 * half for half in halves[: len(self.outputs)])
+        stds = self.noise_std or tuple(0.01 * half for half in halves[: len(self.measured)])
         for std in stds:
             require_positive("Identifier.noise_std", std)
         r = tuple((std / half) ** 2 for std, half in zip(stds, halves, strict=False))
@@ -171,7 +171,7 @@ class Identifier(Uncertainty):
         """The block for this sample time [s]."""
         require_positive("Identifier.block: sample_time", sample_time)
         parts = self._parts()
-        m, q, lags = len(self.outputs), len(self.inputs), self.lags
+        m, q, lags = len(self.measured), len(self.exogenous), self.lags
         scales = [value for scale in self.scales() for value in (scale.centre, scale.half)]
         s, c = self.start_model().structure(), self.adapted().constants()
         places = np.cumsum([N_SCALARS, *(len(one) for one in parts)])
@@ -185,7 +185,7 @@ class Identifier(Uncertainty):
             inputs=tuple(
                 Signal(name, unit, text)
                 for name, unit, text in zip(
-                    (*self.outputs, *self.inputs),
+                    (*self.measured, *self.exogenous),
                     self._units(),
                     ("measured",) * m + ("held over the sample that ends: delay its wire by one",) * q,
                     strict=True,
@@ -200,7 +200,7 @@ class Identifier(Uncertainty):
     def _parts(self) -> list[Array]:
         """The parts of x at the start, in the order of the X_ constants."""
         model, adaptation = self.start_model(), self.adapted()
-        n, m, size = len(self.regressors), len(self.outputs), len(model.theta())
+        n, m, size = len(self.regressors), len(self.measured), len(model.theta())
         work = max(model_work(model.structure()), adaptation.work())
         instant = [np.zeros(m)] * 6
         return [
@@ -210,16 +210,16 @@ class Identifier(Uncertainty):
 
     def _signals(self) -> tuple[Signal, ...]:
         units, made = self._units(), []
-        for name, unit in zip(self.outputs, units, strict=False):
+        for name, unit in zip(self.measured, units, strict=False):
             made += [
                 Signal(f"{name}_predicted", unit, "one-step prediction, before it is learnt"),
                 Signal(f"{name}_simulated", unit, "free run; measured until it is let go"),
                 Signal(f"{name}_innovation", unit, "measured − predicted"),
                 Signal(f"{name}_gamma", "1", "normalised innovation"),
             ]
-        m = len(self.outputs)
-        for o, name in enumerate(self.outputs):
-            for i, known in enumerate(self.inputs):
+        m = len(self.measured)
+        for o, name in enumerate(self.measured):
+            for i, known in enumerate(self.exogenous):
                 unit = f"{units[o]}/{units[m + i]}".removesuffix("/1")
                 text = f"∂{name}/∂{known} over the sample that begins"
                 made.append(Signal(f"sensitivity_{name}_{known}", unit, text))
@@ -233,17 +233,17 @@ class Identifier(Uncertainty):
         return (*made, *(Signal(name, "1", "component of θ", start) for name, start in starts))
 
     def _units(self) -> tuple[str, ...]:
-        outputs = self.output_units or ("1",) * len(self.outputs)
-        return (*outputs, *(self.input_units or ("1",) * len(self.inputs)))
+        outputs = self.measured_units or ("1",) * len(self.measured)
+        return (*outputs, *(self.exogenous_units or ("1",) * len(self.exogenous)))
 
     def _newest(self, i: int) -> int:
         """Place of the newest value of input i in a local model (a_0, …, a_n)."""
-        return 1 + self.output_lags * len(self.outputs) + self.input_lags * i
+        return 1 + self.measured_lags * len(self.measured) + self.exogenous_lags * i
 
     def _unit_of(self, o: int, i: int) -> float:
         """What 1 in scaled units is as ∂(output o)/∂(input i)."""
         scales = self.scales()
-        return scales[o].half / scales[len(self.outputs) + i].half
+        return scales[o].half / scales[len(self.measured) + i].half
 
 
 def _sets(given: Sets, kind: str) -> tuple[Membership, ...]:
