@@ -14,9 +14,11 @@ from fmus.disturbance_generator.model import plant as disturbance_generator
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
+from fmus.single_machine_infinite_bus.model import plant as single_machine_infinite_bus
 
 Array = NDArray[np.float64]
-PLANTS = (hybrid_actuator, disturbance_generator)
+AXES = (hybrid_actuator, disturbance_generator)
+PLANTS = (*AXES, single_machine_infinite_bus)
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -28,12 +30,16 @@ STATE_RANGES = {
     "rod_displacement": (-0.0755, 0.0755),
     "rod_velocity": (-0.3, 0.3),
     "load_cell_force": (-5e4, 5e4),
+    "angle_deviation": (-4.0, 4.0),
+    "speed": (-12.0, 12.0),
 }
 INPUT_RANGES = {
     "command": (-1.2, 1.2),
     "environment_position": (-0.05, 0.05),
     "environment_velocity": (-0.3, 0.3),
     "spring_force": (-3e4, 3e4),
+    "field_deviation": (-10.0, 10.0),
+    "mechanical_power_deviation": (-0.5, 0.5),
 }
 
 
