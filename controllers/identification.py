@@ -89,12 +89,14 @@ class Uncertainty:
     def _play(self, function: Membership) -> list[tuple[float, float]]:
         """Bounds of the parameters of one function; the far end of a shoulder stays."""
         named = dict(zip(PARAMETERS[function.kind], function.parameters, strict=True))
-        widths = [4.0 / abs(q) if name == "k" else q for name, q in named.items() if name[0] in "bk"]
+        sizes = {name: q for name, q in named.items() if name[0] in "bk"}
+        widths = [4.0 / abs(q) if name == "k" else q for name, q in sizes.items()]
         reach = self.centre_play * min(widths)
         pairs = []
         for name, q in named.items():
-            if name[0] in "bk":
-                pairs.append(tuple(sorted(factor * q for factor in self.width_range)))
+            if name in sizes:
+                ends = (q * self.width_range[0], q * self.width_range[1])
+                pairs.append((min(ends), max(ends)))
             else:
                 play = reach if abs(q) < SHOULDER else 0.0
                 pairs.append((q - play, q + play))

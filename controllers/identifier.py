@@ -27,7 +27,7 @@ from controllers.block import Array, Block, Signal
 from controllers.errors import require, require_choice, require_not_negative, require_positive
 from controllers.fuzzy import Membership
 from controllers.identification import Uncertainty
-from controllers.identifier_step import N_SCALARS, identifier_step
+from controllers.identifier_step import N_SCALARS, P_PARTS, identifier_step
 from controllers.membership import KINDS
 from controllers.narx import Lags, Scale
 from controllers.takagi_sugeno import TakagiSugeno, grid, partition
@@ -86,42 +86,50 @@ class Identifier(Uncertainty):
         super().__post_init__()
         m, q = len(self.measured), len(self.exogenous)
         names = (*self.measured, *self.exogenous)
-        require(len(set(names)) == m + q, "Identifier.measured, exogenous", "names that differ", names)
-        lengths = {"measured_ranges": m, "exogenous_ranges": q, "measured_units": m, "exogenous_units": q,
-                   "noise_std": m, "start_sensitivity": m}  # fmt: skip
-        for name, length in lengths.items():
-            given = getattr(self, name)
-            optional = not name.endswith("ranges") and len(given) == 0
-            expected = f"{length} entries, one for each"
-            require(optional or len(given) == length, f"Identifier.{name}", expected, given)
+        different = len(set(names)) == m + q
+        require(different, "Identifier.measured, exogenous", "names that differ", names)
+        for name, count in (("measured_ranges", m), ("exogenous_ranges", q)):
+            _require_count(name, getattr(self, name), count)
+        for name, count in (("measured_units", m), ("exogenous_units", q), ("noise_std", m),
+                            ("start_sensitivity", m)):  # fmt: skip
+            if getattr(self, name):
+                _require_count(name, getattr(self, name), count)
         for row in self.start_sensitivity:
             require(len(row) == q, "Identifier.start_sensitivity", f"rows of {q} numbers", row)
-        require(q == 0 or self.exogenous_lags > 0, "Identifier.exogenous_lags", "at least 1", 0)
-        require_choice("Identifier.kind", self.kind, KINDS)
-        legal = self.regressors
-        for name in self.memberships:
-            require_choice("Identifier.memberships", name, legal)
+        lagged = q == 0 or self.exogenous_lags > 0
+        require(lagged, "Identifier.exogenous_lags", "at least 1", self.exogenous_lags)
         for name in ("learn_from", "learn_until", "free_run_from"):
             value = getattr(self, name)
             if value != math.inf:
                 require_not_negative(f"Identifier.{name}", value)
-        if self.model is not None:
-            received = (len(self.model.inputs), len(self.model.models))
-            expected = f"{len(legal)} inputs {legal} and {m} outputs"
-            require(received == (len(legal), m), "Identifier.model", expected, received)
-            require(not self.memberships, "Identifier.memberships", "none beside a model", legal)
-        if self.sensitivity_bounds is not None:
-            low, high = self.sensitivity_bounds
-            fits = m == 1 and q == 1 and low <= high
-            expected = "a pair (low, high), with one output and one input"
-            require(fits, "Identifier.sensitivity_bounds", expected, (low, high))
+        self._check_model()
         self.scales()
         self.adapted()
+
+    def _check_model(self) -> None:
+        """Raise `ControllerError` unless sets and model fit the regressor."""
+        require_choice("Identifier.kind", self.kind, KINDS)
+        legal = self.regressors
+        for name in self.memberships:
+            require_choice("Identifier.memberships", name, legal)
+        if self.model is not None:
+            received = (len(self.model.inputs), len(self.model.models))
+            expected = (len(legal), len(self.measured))
+            text = f"{expected[0]} inputs ({', '.join(legal)}) and {expected[1]} outputs"
+            require(received == expected, "Identifier.model", text, received)
+            none = len(self.memberships) == 0
+            require(none, "Identifier.memberships", "none beside a model", self.memberships)
+        if self.sensitivity_bounds is not None:
+            low, high = self.sensitivity_bounds
+            fits = len(self.measured) == len(self.exogenous) == 1 and low <= high
+            text = "a pair (low, high), with one output and one input"
+            require(fits, "Identifier.sensitivity_bounds", text, (low, high))
 
     @property
     def lags(self) -> Lags:
         """The form of the regressor."""
-        return Lags(len(self.measured), len(self.exogenous), self.measured_lags, self.exogenous_lags)
+        counts = (len(self.measured), len(self.exogenous))
+        return Lags(*counts, self.measured_lags, self.exogenous_lags)
 
     @property
     def regressors(self) -> tuple[str, ...]:
@@ -171,27 +179,22 @@ class Identifier(Uncertainty):
         """The block for this sample time [s]."""
         require_positive("Identifier.block: sample_time", sample_time)
         parts = self._parts()
-        m, q, lags = len(self.measured), len(self.exogenous), self.lags
+        lags = self.lags
         scales = [value for scale in self.scales() for value in (scale.centre, scale.half)]
         s, c = self.start_model().structure(), self.adapted().constants()
         places = np.cumsum([N_SCALARS, *(len(one) for one in parts)])
-        s_at = 10 + len(places) + len(scales)
+        s_at = P_PARTS + len(places) + len(scales)
         instants = [
             round(t / sample_time) if t < math.inf else math.inf
             for t in (self.learn_from, self.learn_until, self.free_run_from)
         ]
-        head = [m, q, lags.output_lags, lags.input_lags, *instants, lags.first, s_at, s_at + len(s)]
+        head = [
+            lags.outputs, lags.inputs, lags.output_lags, lags.input_lags, *instants,
+            lags.first, s_at, s_at + len(s),
+        ]  # fmt: skip
         return Block(
-            inputs=tuple(
-                Signal(name, unit, text)
-                for name, unit, text in zip(
-                    (*self.measured, *self.exogenous),
-                    self._units(),
-                    ("measured",) * m + ("held over the sample that ends: delay its wire by one",) * q,
-                    strict=True,
-                )
-            ),
-            outputs=self._signals(),
+            inputs=self._inputs(),
+            outputs=self._outputs(),
             step=identifier_step,
             parameters=np.concatenate([head, places, scales, s, c]).astype(np.float64),
             state=np.concatenate([np.zeros(N_SCALARS), *parts]),
@@ -208,7 +211,14 @@ class Identifier(Uncertainty):
             np.zeros(m * size), np.zeros(m * n), np.zeros(work),
         ]  # fmt: skip
 
-    def _signals(self) -> tuple[Signal, ...]:
+    def _inputs(self) -> tuple[Signal, ...]:
+        names = (*self.measured, *self.exogenous)
+        texts = ["measured"] * len(self.measured)
+        texts += ["held over the sample that ends: delay its wire by one"] * len(self.exogenous)
+        triples = zip(names, self._units(), texts, strict=True)
+        return tuple(Signal(*one) for one in triples)
+
+    def _outputs(self) -> tuple[Signal, ...]:
         units, made = self._units(), []
         for name, unit in zip(self.measured, units, strict=False):
             made += [
@@ -250,3 +260,8 @@ def _sets(given: Sets, kind: str) -> tuple[Membership, ...]:
     if isinstance(given, int):
         return partition(kind, given)
     return tuple(Membership(name, tuple(parameters)) for name, parameters in given)
+
+
+def _require_count(name: str, given: Sequence[object], count: int) -> None:
+    expected = f"{count} entries, one for each"
+    require(len(given) == count, f"Identifier.{name}", expected, given)

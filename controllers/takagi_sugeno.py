@@ -95,9 +95,9 @@ class TakagiSugeno:
             for part in PARAMETERS[function.kind]
         ]
         names += [
-            f"a_{j}_{l}_{i}"
+            f"a_{j}_{k}_{i}"
             for i, models in enumerate(self.models, start=1)
-            for l in range(1, len(models) + 1)  # noqa: E741
+            for k in range(1, len(models) + 1)
             for j in range(len(self.inputs) + 1)
         ]
         return tuple(names)
@@ -116,9 +116,7 @@ class TakagiSugeno:
             tuple(Membership(f.kind, taken(len(f.parameters))) for f in functions)
             for functions in self.inputs
         )
-        models = tuple(
-            tuple(taken(len(self.inputs) + 1) for _ in models) for models in self.models
-        )
+        models = tuple(tuple(taken(len(self.inputs) + 1) for _ in models) for models in self.models)
         return replace(self, inputs=inputs, models=models)
 
     def evaluate(self, X: Array) -> Array:
@@ -155,15 +153,13 @@ class TakagiSugeno:
         return rows
 
 
-def grid(
-    inputs: Sequence[Sequence[Membership]], models: Sequence[Sequence[float]]
-) -> TakagiSugeno:
+def grid(inputs: Sequence[Sequence[Membership]], models: Sequence[Sequence[float]]) -> TakagiSugeno:
     """One rule for every combination of the inputs' functions, which the rules share; each output
     starts everywhere with its one local model of `models`."""
     functions = tuple(tuple(one) for one in inputs)
     choices = [range(len(one)) if one else (-1,) for one in functions]
     combinations = list(itertools.product(*choices))
-    rules = tuple(Rule(c, (l,) * len(models)) for l, c in enumerate(combinations))
+    rules = tuple(Rule(c, (k,) * len(models)) for k, c in enumerate(combinations))
     local = tuple((tuple(float(a) for a in model),) * len(rules) for model in models)
     return TakagiSugeno(functions, local, rules)
 
@@ -182,10 +178,10 @@ def scattered(
     n = len(of_all[0])
     for own in of_all:
         require(len(own) == n, "scattered: antecedents", f"{n} functions a rule", len(own))
-    rules = []
+    rules: list[Rule] = []
     for i, one in enumerate(antecedents):
-        for l in range(len(one)):  # noqa: E741
-            spoken = tuple(l if o == i else -1 for o in range(len(antecedents)))
+        for k in range(len(one)):
+            spoken = tuple(k if o == i else -1 for o in range(len(antecedents)))
             rules.append(Rule((len(rules),) * n, spoken))
     inputs = tuple(tuple(own[j] for own in of_all) for j in range(n))
     local = tuple(tuple(tuple(float(a) for a in m) for m in one) for one in models)
