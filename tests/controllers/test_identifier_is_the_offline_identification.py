@@ -1,6 +1,6 @@
 """The block on a time series against the offline functions on its rows; compiled, bit for bit.
 
-Two outputs with two lags, one input with one lag, sets on one regressor; 120 samples, seed 5.
+Two outputs with two lags, one input with two lags, sets on two regressors; 120 samples, seed 5.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ N, LEARNT, FREE = 120, 80, 90
 IDENTIFIER = Identifier(
     measured=("level", "flow"), exogenous=("valve",),
     measured_ranges=((-3.0, 5.0), (-2.0, 2.0)), exogenous_ranges=((-1.0, 1.0),),
-    exogenous_lags=1, memberships={"level_1": 3}, noise_std=(0.1, 0.1),
+    exogenous_lags=2, memberships={"level_1": 3, "valve_2": 2}, noise_std=(0.1, 0.1),
     learn_until=0.1 * LEARNT, free_run_from=0.1 * FREE,
 )  # fmt: skip
 
@@ -44,7 +44,7 @@ def test_predictions_and_parameters_are_those_of_identify() -> None:
     scales, start = IDENTIFIER.scales(), IDENTIFIER.start_model()
     pairs = zip(scales, np.hstack([y, u]).T, strict=True)
     scaled = np.column_stack([scale.scaled(column) for scale, column in pairs])
-    X, Y = Lags(2, 1, 2, 1).rows(scaled[:, :2], scaled[:, 2:])
+    X, Y = Lags(2, 1, 2, 2).rows(scaled[:, :2], scaled[:, 2:])
     learnt = slice(0, LEARNT - 2)
     found = identify(start, X[learnt], Y[learnt], IDENTIFIER.adapted())
     column = names.index("level_predicted")
@@ -53,7 +53,7 @@ def test_predictions_and_parameters_are_those_of_identify() -> None:
     at = names.index(start.parameter_names()[0])
     np.testing.assert_allclose(made[-1, at:], found.model.theta(), rtol=1e-12)
     np.testing.assert_array_equal(made[LEARNT:, at:], np.tile(made[-1, at:], (N - LEARNT, 1)))
-    run_scaled = Lags(2, 1, 2, 1).free_run(
+    run_scaled = Lags(2, 1, 2, 2).free_run(
         found.model.evaluate, scaled[FREE - 2 :, :2], scaled[FREE - 2 :, 2:]
     )
     simulated = scales[1].physical(run_scaled[2:, 1])
@@ -71,7 +71,7 @@ def test_sensitivity_is_the_slope_of_the_next_prediction() -> None:
     for du in (0.0, 1e-6):
         # the input held over the last sample is held on, with a small change
         newest = np.concatenate([y[-1, :1], y[-2, :1], y[-1, 1:], y[-2, 1:]])
-        x = [(newest[:2] - 1.0) / 4.0, newest[2:] / 2.0, [u[-2, 0] + du]]
+        x = [(newest[:2] - 1.0) / 4.0, newest[2:] / 2.0, [u[-2, 0] + du, u[-2, 0]]]
         changed.append(scales[0].physical(model.evaluate(np.concatenate(x)[None])[0, 0]))
     slope = (changed[1] - changed[0]) / 1e-6
     found = made[-1, names.index("sensitivity_level_valve")]
