@@ -26,7 +26,7 @@ def needed_signals(spec: ExperimentSpec) -> Iterator[str]:
     for metric in spec.metrics.values():
         others = (metric.minus, metric.relative_to)
         yield metric.signal
-        yield from (name for name in others if isinstance(name, str))
+        yield from (name for name in (*others, *metric.norm_with) if isinstance(name, str))
 
 
 def tracking(result: Result, m: MeasureSpec) -> Metrics:
