@@ -16,7 +16,7 @@ import ctypes
 import sys
 from pathlib import Path
 
-_libraries: dict[str, ctypes.CDLL] = {}
+_libraries: dict[str, ctypes.PyDLL] = {}
 
 
 def release_python_before_exit(resources: str) -> None:
@@ -24,5 +24,5 @@ def release_python_before_exit(resources: str) -> None:
     if resources in _libraries or sys.platform != "linux" or not sys.orig_argv:
         return
     for path in Path(resources).parent.glob("binaries/*/*.so"):
-        library = _libraries[resources] = ctypes.CDLL(str(path))
+        library = _libraries[resources] = ctypes.PyDLL(str(path))
         atexit.register(library.finalizePythonInterpreter)
