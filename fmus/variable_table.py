@@ -17,7 +17,7 @@ import numpy as np
 from fmus.linearization import WorkingPoint, equilibrium, linearize
 from fmus.plant import Plant
 
-PLANTS = ("hybrid_actuator", "disturbance_generator")
+PLANTS = ("hybrid_actuator", "disturbance_generator", "two_mass_drive")
 
 
 class ReadmeError(Exception):
