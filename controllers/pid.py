@@ -152,8 +152,9 @@ class PIDLaw:
     tracking_time       T_t of back-calculation, at least the sample time [s]
     u_min, u_max        limits of the output [output_unit]
     bias                added to the output [output_unit]
-    measured_unit       unit of reference and measured, an FMI-style string
-    output_unit         unit of u
+    measured_unit       unit of reference and measured, an FMI-style string; "" takes that of the
+                        wire and leaves the units of gains open
+    output_unit         unit of u, likewise
     """
 
     derivative_filter: float = 0.0
@@ -164,8 +165,8 @@ class PIDLaw:
     u_min: float = -math.inf
     u_max: float = math.inf
     bias: float = 0.0
-    measured_unit: str = "1"
-    output_unit: str = "1"
+    measured_unit: str = ""
+    output_unit: str = ""
 
     def __post_init__(self) -> None:
         """Raise `ControllerError` for values that cannot be meant."""
@@ -226,12 +227,17 @@ class PIDLaw:
             Signal("saturated", "1", "1 at the upper limit, −1 at the lower, else 0"),
             Signal("kp", _ratio(u, e), "proportional gain in force"),
             Signal("ki", _ratio(u, e, "s"), "integral gain in force"),
-            Signal("kd", _ratio("s" if u == "1" else f"{u}.s", e), "derivative gain in force"),
+            Signal(
+                "kd", _ratio(u and ("s" if u == "1" else f"{u}.s"), e), "derivative gain in force"
+            ),
         )
 
 
 def _ratio(numerator: str, *denominators: str) -> str:
-    """A unit string for numerator/(denominators), leaving out dimensionless ones."""
+    """A unit string for numerator/(denominators), leaving out dimensionless ones; "" where one of
+    them is not stated."""
+    if not all((numerator, *denominators)):
+        return ""
     below = [unit for unit in denominators if unit != "1"]
     if not below:
         return numerator

@@ -165,8 +165,8 @@ class TunedFuzzyPID(FuzzyPIDLaw):
 
     def tuner_outputs(self) -> tuple[Signal, ...]:
         """Outputs of the tuner in the order of the Y_ constants, then θ."""
-        slope = f"{self.measured_unit}/{self.output_unit}"
-        unit = slope.removesuffix("/1")
+        stated = self.measured_unit and self.output_unit
+        unit = f"{self.measured_unit}/{self.output_unit}".removesuffix("/1") if stated else ""
         kinds = (
             ("gamma", "normalised innovation of the filter of axis"),
             ("nis", "normalised innovation squared of axis"),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,11 @@ def to_nanoseconds(seconds: float, what: str) -> int:
     if abs(seconds * NANOSECONDS - whole) > max(_ROUNDING * abs(whole), 1e-6):
         raise TimingError(f"{what} of {seconds!r} s is no whole number of nanoseconds")
     return whole
+
+
+def nearest_nanosecond(seconds: float) -> int:
+    """The whole nanosecond nearest to `seconds`, for edges of signals, which need no grid."""
+    return round(Fraction(seconds) * NANOSECONDS)
 
 
 def to_period(seconds: float, what: str) -> int:

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from harness.results.result import Result
+from typing import Any
 
 
 class HarnessError(Exception):
     """Base of all faults reported by the harness.
 
-    `result` holds the rows that a run recorded before the fault, where there was a run.
+    `result` holds the rows that a run recorded before the fault (a `Result`), or None where there
+    was no run.
     """
 
-    result: Result | None = None
+    result: Any = None
 
 
 class UsageError(HarnessError):

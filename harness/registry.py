@@ -7,6 +7,7 @@ Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
 from __future__ import annotations
 
 import importlib
+from datetime import datetime
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import files
@@ -61,7 +62,7 @@ def experiments() -> dict[str, Path]:
     found = {}
     for entry in _entries(EXPERIMENTS).values():
         root = Path(str(files(entry.value)))
-        for path in sorted(root.glob("*/*.toml")):
+        for path in sorted(set(root.glob("*/*.toml")) - set(root.glob("*/claims.toml"))):
             found[f"{path.parent.name}/{path.stem}"] = path
     return found
 
@@ -92,3 +93,13 @@ def _load(group: str, name: str, what: str) -> Any:
         return getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError) as fault:
         raise UsageError(f"{what} {name!r} cannot be imported: {fault}") from fault
+
+
+def run_folder(name: str) -> Path:
+    """A folder that is not there yet, below `runs`, named after `name` and the time."""
+    stamp = f"{name.replace('/', '-')}-{datetime.now():%Y%m%d-%H%M%S}"
+    folder, number = Path("runs") / stamp, 1
+    while folder.exists():
+        number += 1
+        folder = folder.with_name(f"{stamp}-{number}")
+    return folder

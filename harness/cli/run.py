@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress, TaskID
 
 from harness import registry
 from harness.cli.notices import notices
+from harness.cli.progress import bar
 from harness.cli.terminal import console
 from harness.cli.values import settings
-from harness.errors import HarnessError, UsageError
+from harness.errors import HarnessError
+
+if TYPE_CHECKING:
+    from harness.bench import Echo
+    from harness.experiment.experiment import Experiment
 
 
 def run_command(
@@ -28,77 +34,81 @@ def run_command(
         Path | None, typer.Option(help="Run folder; runs/NAME-DATE-TIME when absent")
     ] = None,
     study: Annotated[bool, typer.Option(help="Repeat over the seeds of [study]")] = False,
-    jobs: Annotated[int, typer.Option(help="Processes of a study; 0: one a core")] = 0,
+    sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
+    jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
     fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.experiment.experiment import Experiment
-    from harness.experiment.report import metrics_table, write_report
-    from harness.experiment.study import run_study, study_tables
 
-    out = console()
     with notices():
         loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
-        folder = output or _run_folder(loaded.name)
-        out.print(f"{loaded.name}: {loaded.spec.title}", markup=False, soft_wrap=True, style="bold")
+        folder = output or registry.run_folder(loaded.name)
+        title = f"{loaded.name}: {loaded.spec.title}"
+        console().print(title, markup=False, soft_wrap=True, style="bold")
         if study:
-            if loaded.spec.study is None:
-                raise UsageError(f"{loaded.path} has no table [study]")
-            with _bar() as bar:
-                task = bar.add_task("study", total=1.0)
-                found = run_study(
-                    loaded, jobs=jobs, progress=lambda share: bar.update(task, completed=share)
-                )
-            for table in study_tables(loaded, found):
-                out.print(table)
-            out.print(f"written: {found.write(folder)}", markup=False, soft_wrap=True)
-            return
-        results, faults = {}, {}
-        echo = _echo if fmi_logging else None
-        with _bar() as bar:
-            for name in chosen:
-                task = bar.add_task(loaded.label(name), total=1.0)
-                try:
-                    results[name] = loaded.run(
-                        name,
-                        folder / name,
-                        progress=lambda share, task=task: bar.update(task, completed=share),  # type: ignore[misc]
-                        echo=echo,
-                    )
-                except HarnessError as fault:
-                    if fault.result is None:
-                        raise
-                    faults[name] = fault
-                    results[name] = fault.result
-        out.print(metrics_table(loaded, results))
-        for path in write_report(loaded, results, folder):
-            out.print(f"written: {path}", markup=False, soft_wrap=True)
+            written = _study(loaded, folder, jobs)
+        elif sweep:
+            written = _sweep(loaded, chosen, folder, jobs)
+        else:
+            written = _run(loaded, chosen, folder, _echo if fmi_logging else None)
+        for path in written:
+            console().print(f"written: {path}", markup=False, soft_wrap=True)
+
+
+def _run(
+    loaded: Experiment, variants: tuple[str, ...], folder: Path, echo: Echo | None
+) -> Iterator[Path]:
+    from harness.experiment.report import metrics_table, write_report
+
+    results, faults = {}, {}
+    with bar() as shown:
+        for name in variants:
+            task = shown.add_task(loaded.label(name), total=1.0)
+            moved = partial(_moved, shown, task)
+            try:
+                results[name] = loaded.run(name, folder / name, progress=moved, echo=echo)
+            except HarnessError as fault:
+                if fault.result is None:
+                    raise
+                faults[name] = fault
+                results[name] = fault.result
+    console().print(metrics_table(loaded, results))
+    yield from write_report(loaded, results, folder)
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))
 
 
-def _bar() -> Progress:
-    return Progress(
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=console(stderr=True),
-    )
+def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
+    from harness.experiment.study import run_study, study_tables
+
+    with bar() as shown:
+        moved = partial(_moved, shown, shown.add_task("study", total=1.0))
+        found = run_study(loaded, jobs=jobs, progress=moved)
+    for table in study_tables(loaded, found):
+        console().print(table)
+    yield found.write(folder)
 
 
-def _run_folder(name: str) -> Path:
-    stamp = datetime.now().strftime("%Y%m%d-%H%M%S")
-    folder = Path("runs") / f"{name.replace('/', '-')}-{stamp}"
-    number = 1
-    while folder.exists():
-        number += 1
-        folder = folder.with_name(f"{name.replace('/', '-')}-{stamp}-{number}")
-    return folder
+def _sweep(
+    loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int
+) -> Iterator[Path]:
+    from harness.experiment.sweep import run_sweep, write_sweep
+
+    with bar() as shown:
+        moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
+        regions = run_sweep(loaded, variants, jobs=jobs, progress=moved)
+    for name, region in regions.items():
+        label = loaded.label(name)
+        console().print(f"{label}: {100 * region.share:.1f} % of the points inside", markup=False)
+    yield from write_sweep(loaded, regions, folder)
+
+
+def _moved(shown: Progress, task: TaskID, share: float) -> None:
+    shown.update(task, completed=share)
 
 
 def _echo(component: str, message: object) -> None:

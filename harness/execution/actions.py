@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from harness.system.lowering import Wire
+
+View = Literal["present", "applied", "reached"]
+"""Which values of an FMU's outputs: those read at the present instant, those after the inputs of
+this instant have been applied (where outputs depend on them directly), or those at the end of the
+step. Each is held until it is read again."""
 
 
 @dataclass(frozen=True)
@@ -16,10 +22,10 @@ class Sample:
 
 @dataclass(frozen=True)
 class Transfer:
-    """Copy along wires; with `ahead` from the values that FMUs have at the end of their step."""
+    """Copy along wires, from the values of FMU outputs in `view`."""
 
     wires: tuple[Wire, ...]
-    ahead: bool = False
+    view: View = "present"
 
 
 @dataclass(frozen=True)
@@ -38,11 +44,11 @@ class Linearise:
 
 @dataclass(frozen=True)
 class Read:
-    """Get outputs of an FMU; `ahead` keeps them apart from those at the present instant."""
+    """Get outputs of an FMU; each `view` of them is kept apart."""
 
     component: str
     outputs: tuple[str, ...]
-    ahead: bool = False
+    view: View = "present"
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,10 @@
 """Float64 slots to and from the integers, booleans and floats of an FMU's C interface.
 
 Signals are float64 inside the harness: whole numbers up to 2^53 are exact. Rounding is to the
-nearest, ties to even; a boolean is whatever is not zero.
+nearest, ties to even; a boolean is whatever is not zero. A number outside the range of its C type
+is refused: it would come out as another one. C numbers lie in the buffer byte by byte, lowest
+first, as on every machine served here; a view of the buffer as an array of another type would
+cost atomic reference counting at each use.
 """
 
 from __future__ import annotations
@@ -13,54 +16,64 @@ from numba import njit
 
 from harness.execution import operations as op
 
+_SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
+_LOWEST = (
+    -np.inf, -(2.0**7), 0.0, -(2.0**15), 0.0, -(2.0**31), 0.0, -(2.0**63), 0.0,
+    -_SINGLE * (1.0 - 2.0**-52), -np.inf,
+)  # fmt: skip
+_BEYOND = (
+    np.inf, 2.0**7, 2.0**8, 2.0**15, 2.0**16, 2.0**31, 2.0**32, 2.0**63, 2.0**64,
+    _SINGLE, np.inf,
+)  # fmt: skip
+"""By kind: the lowest number that it holds, and the first one beyond the highest."""
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def encode(kind: int, values: Any, exchange: Any, start: int) -> None:
-    """Write float64 `values` (n,) as C numbers of `kind` from byte `start` (a multiple of 8)."""
-    space = exchange[start:]
-    for i in range(values.shape[0]):
-        if kind == op.BOOL8:
-            space[i] = np.uint8(values[i] != 0.0)
-        elif kind == op.BOOL32:
-            space.view(np.uint32)[i] = np.uint32(values[i] != 0.0)
-        elif kind == op.INT8 or kind == op.UINT8:
-            space[i] = np.uint8(np.int64(np.rint(values[i])) & 0xFF)
-        elif kind == op.INT16 or kind == op.UINT16:
-            space.view(np.uint16)[i] = np.uint16(np.int64(np.rint(values[i])) & 0xFFFF)
-        elif kind == op.INT32 or kind == op.UINT32:
-            space.view(np.uint32)[i] = np.uint32(np.int64(np.rint(values[i])) & 0xFFFFFFFF)
-        elif kind == op.FLOAT32:
-            space.view(np.float32)[i] = np.float32(values[i])
-        elif kind == op.UINT64:
-            space.view(np.uint64)[i] = np.uint64(np.rint(values[i]))
-        else:
-            space.view(np.int64)[i] = np.int64(np.rint(values[i]))
+_SIZE = op.ITEM_SIZE
+_BOOLEAN = tuple(kind in (op.BOOL8, op.BOOL32) for kind in range(len(_SIZE)))
+_SIGNED = tuple(kind in (op.INT8, op.INT16, op.INT32, op.INT64) for kind in range(len(_SIZE)))
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def decode(kind: int, values: Any, exchange: Any, start: int) -> None:
-    """Read C numbers of `kind` from byte `start` (a multiple of 8) into float64 `values` (n,)."""
-    space = exchange[start:]
-    for i in range(values.shape[0]):
-        if kind == op.BOOL8:
-            values[i] = 1.0 if space[i] != 0 else 0.0
-        elif kind == op.BOOL32:
-            values[i] = 1.0 if space.view(np.uint32)[i] != 0 else 0.0
-        elif kind == op.UINT8:
-            values[i] = float(space[i])
-        elif kind == op.INT8:
-            values[i] = float(space.view(np.int8)[i])
-        elif kind == op.INT16:
-            values[i] = float(space.view(np.int16)[i])
-        elif kind == op.UINT16:
-            values[i] = float(space.view(np.uint16)[i])
-        elif kind == op.INT32:
-            values[i] = float(space.view(np.int32)[i])
-        elif kind == op.UINT32:
-            values[i] = float(space.view(np.uint32)[i])
+def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> bool:
+    """Write slots first..last-1 of `v` as C numbers of `kind` from byte `start` of `exchange`.
+
+    False when one of them is out of range; then nothing may be read from there.
+    """
+    place, size = start, _SIZE[kind]
+    for slot in range(first, last):
+        if not _LOWEST[kind] <= np.rint(v[slot]) < _BEYOND[kind]:
+            return False
+        if _BOOLEAN[kind]:
+            bits = np.int64(v[slot] != 0.0)
         elif kind == op.FLOAT32:
-            values[i] = float(space.view(np.float32)[i])
+            bits = np.int64(np.float32(v[slot]).view(np.int32))
         elif kind == op.UINT64:
-            values[i] = float(space.view(np.uint64)[i])
+            bits = np.int64(np.uint64(np.rint(v[slot])))
         else:
-            values[i] = float(space.view(np.int64)[i])
+            bits = np.int64(np.rint(v[slot]))
+        for i in range(size):
+            exchange[place + i] = bits & 0xFF
+            bits >>= 8
+        place += size
+    return True
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> None:
+    """Read C numbers of `kind` from byte `start` of `exchange` into slots first..last-1 of `v`."""
+    place, size = start, _SIZE[kind]
+    unused = 8 * (8 - size)
+    for slot in range(first, last):
+        bits = np.int64(0)
+        for i in range(size):
+            bits |= np.int64(exchange[place + i]) << (8 * i)
+        place += size
+        if _BOOLEAN[kind]:
+            v[slot] = 1.0 if bits != 0 else 0.0
+        elif kind == op.FLOAT32:
+            v[slot] = float(np.int32(bits).view(np.float32))
+        elif kind == op.UINT64:
+            v[slot] = float(np.uint64(bits))
+        elif _SIGNED[kind]:
+            v[slot] = float((bits << unused) >> unused)
+        else:
+            v[slot] = float(bits)

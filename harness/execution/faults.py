@@ -10,6 +10,7 @@ from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
 from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
+from harness.execution.exchange import encode
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
 from harness.fmi.instance import FATAL, FmuInstance
@@ -17,16 +18,23 @@ from harness.fmi.logger import STATUS_NAMES
 from harness.system.lowering import rate_of
 
 
+class EndRequestedError(SimulationError):
+    """An FMU asked for the end of the run before its stop time; no call failed."""
+
+
 def explain(
     program: Program, instances: Mapping[str, FmuInstance], outcome: int
 ) -> SimulationError:
-    """The fault behind `outcome` of the loop; an exception of a Python block is its cause."""
+    """The fault behind `outcome` of the loop; an exception of a Python block is its cause.
+
+    What Ctrl-C or `sys.exit` raised inside a Python block is raised again as it is.
+    """
     now = int(program.clock[INSTANT])
     action = program.owners[int(program.clock[OPERATION])]
     when = f"at t = {to_seconds(now):.9g} s"
     name = getattr(action, "component", "?")
     if outcome == op.TERMINATED:
-        return SimulationError(
+        return EndRequestedError(
             f"component {name}: the FMU asked for the end of the run in the step {when}: "
             f"{instances[name].log.reasons()}"
         )
@@ -37,7 +45,12 @@ def explain(
         )
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
+    if outcome == op.OUT_OF_RANGE:
+        return SimulationError(_out_of_range(program, instances, when))
     if name in program.callbacks:
+        fault = program.callbacks[name].fault
+        if fault is not None and not isinstance(fault, Exception):
+            raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
         return _python_fault(program, name, now, when)
     status = int(program.clock[STATUS])
     instance = instances[_fmu_of(program, action)]
@@ -53,9 +66,20 @@ def explain(
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
     slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
-    everywhere = [*program.layout.slots.items(), *program.layout.ahead.items()]
-    port = next((end for end, place in everywhere if place == slot), name)
+    port = next((end for end, place in program.layout.places() if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
+
+
+def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: str) -> str:
+    _, kind, first, last, *_ = map(int, program.code[int(program.clock[OPERATION])])
+    room = np.zeros(8, dtype=np.uint8)
+    slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
+    port = next(end for end, place in program.layout.slots.items() if place == slot)
+    type_name = instances[port.component].description.variable(port.variable).type
+    return (
+        f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
+        "saturate what is wired to it"
+    )
 
 
 def _python_fault(program: Program, name: str, now: int, when: str) -> SimulationError:

@@ -6,11 +6,11 @@ outputs of a block, and the inputs or outputs of an FMU that have the same C typ
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from harness.execution import operations as op
-from harness.execution.actions import Read
+from harness.execution.actions import Read, View
 from harness.execution.plan import Plan
 from harness.fmi.model_description import ModelDescription, Variable
 from harness.system.graph import Endpoint
@@ -47,15 +47,20 @@ def access(variable: Variable, fmi_major: int) -> tuple[str, int]:
 
 @dataclass(frozen=True)
 class Layout:
-    """Slots by port. `ahead` holds the values that an FMU has at the end of its step."""
+    """Slots by port: those of the present, and those of FMU outputs in another view."""
 
     slots: Mapping[Endpoint, int]
-    ahead: Mapping[Endpoint, int]
+    views: Mapping[tuple[View, Endpoint], int]
     size: int
 
-    def slot(self, end: Endpoint, *, ahead: bool = False) -> int:
-        """The slot of a port; of its value ahead, where there is one and it is asked for."""
-        return self.ahead[end] if ahead and end in self.ahead else self.slots[end]
+    def slot(self, end: Endpoint, view: View = "present") -> int:
+        """The slot of a port in a view, of its present value where it has none in that view."""
+        return self.views.get((view, end), self.slots[end])
+
+    def places(self) -> Iterator[tuple[Endpoint, int]]:
+        """All slots with their ports."""
+        yield from self.slots.items()
+        yield from ((end, place) for (_, end), place in self.views.items())
 
 
 def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Layout:
@@ -75,13 +80,14 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
         for signals in (component.inputs, component.outputs):
             for signal in signals:
                 slots[Endpoint(component.name, signal.name)] = len(slots)
-    early = {
-        Endpoint(action.component, name)
+    rank = {end: i for i, end in enumerate(slots)}
+    others: set[tuple[View, Endpoint]] = {
+        (action.view, Endpoint(action.component, name))
         for instant in plan.instants
         for action in instant.actions
-        if isinstance(action, Read) and action.ahead
+        if isinstance(action, Read) and action.view != "present"
         for name in action.outputs
     }
-    rank = {end: i for i, end in enumerate(slots)}
-    ahead = {end: len(slots) + i for i, end in enumerate(sorted(early, key=rank.__getitem__))}
-    return Layout(slots, ahead, len(slots) + len(ahead))
+    ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
+    views = {other: len(slots) + i for i, other in enumerate(ordered)}
+    return Layout(slots, views, len(slots) + len(views))

@@ -52,34 +52,34 @@ def run_cycles(
             if now > stop:
                 break
             clock[INSTANT] = now
-            for index in range(instants[instant, 1], instants[instant, 2]):
-                o = program[index]
-                code = o[0]
-                clock[OPERATION] = index
+            for o in range(instants[instant, 1], instants[instant, 2]):
+                clock[OPERATION] = o
+                code, a, b, c = program[o, 0], program[o, 1], program[o, 2], program[o, 3]
+                d, e, f = program[o, 4], program[o, 5], program[o, 6]
                 status = 0
                 if code == op.COPY:
-                    for i in range(o[1], o[2]):
+                    for i in range(a, b):
                         v[copies[i, 1]] = scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
                 elif code == op.SAMPLE:
-                    v[o[2]] = samples[cursors[o[1]]]
-                    cursors[o[1]] += 1
+                    v[b] = samples[cursors[a]]
+                    cursors[a] += 1
                 elif code == op.CALL_4:
-                    status = call_status(o[1], (o[2], o[3], o[4], o[5]))
+                    status = call_status(a, (b, c, d, e))
                 elif code == op.CALL_5:
-                    status = call_status(o[1], (o[2], o[3], o[4], o[5], o[6]))
+                    status = call_status(a, (b, c, d, e, f))
                 elif code == op.STEP_FMI3:
-                    if now + o[3] <= stop:
-                        t, h, f = now / _NANO, o[3] / _NANO, o[4]
-                        status = call_status(o[1], (o[2], t, h, _ONE, f, f + 1, f + 2, o[5]))
-                        if status <= _WARNING and exchange[o[6] + 2] != 0:
+                    if now + c <= stop:
+                        t, h = now / _NANO, c / _NANO
+                        status = call_status(a, (b, t, h, _ONE, d, d + 1, d + 2, e))
+                        if status <= _WARNING and exchange[f + 2] != 0:
                             return op.EARLY
-                        if status <= _WARNING and exchange[o[6] + 1] != 0:
+                        if status <= _WARNING and exchange[f + 1] != 0:
                             return op.TERMINATED
                 elif code == op.STEP_FMI2:
-                    if now + o[3] <= stop:
-                        status = call_status(o[1], (o[2], now / _NANO, o[3] / _NANO, _ONE))
+                    if now + c <= stop:
+                        status = call_status(a, (b, now / _NANO, c / _NANO, _ONE))
                 elif code == op.CHECK:
-                    for slot in range(o[1], o[2]):
+                    for slot in range(a, b):
                         if not math.isfinite(v[slot]):
                             return op.NOT_FINITE
                 elif code == op.RECORD:
@@ -89,14 +89,15 @@ def run_cycles(
                     row_times[row] = now
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
-                    encode(o[1], v[o[2] : o[3]], exchange, o[4])
+                    if not encode(a, v, b, c, exchange, d):
+                        return op.OUT_OF_RANGE
                 elif code == op.DECODE:
-                    decode(o[1], v[o[2] : o[3]], exchange, o[4])
+                    decode(a, v, b, c, exchange, d)
                 elif code == op.CALL_7:
-                    status = call_status(o[1], (o[2], o[3], o[4], o[5], o[6], o[7], o[8]))
+                    status = call_status(a, (b, c, d, e, f, program[o, 7], program[o, 8]))
                 else:
-                    arguments = (o[2], o[3], o[4], o[5], o[6], o[7], o[8], o[9], o[10])
-                    status = call_status(o[1], arguments)
+                    more = (program[o, 7], program[o, 8], program[o, 9], program[o, 10])
+                    status = call_status(a, (b, c, d, e, f, *more))
                 if status > _WARNING or status < 0:
                     clock[STATUS] = status
                     return op.STATUS

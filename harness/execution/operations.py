@@ -27,7 +27,8 @@ CHECK = 8
 """first slot, last slot: the run ends where one of them is NaN or infinite"""
 ENCODE = 9
 DECODE = 10
-"""kind, first slot, last slot, byte offset: float64 slots to, from C integers in the buffer"""
+"""kind, first slot, last slot, byte offset: float64 slots to, from C integers in the buffer; the
+run ends where a number does not fit"""
 RECORD = 11
 """no operands: append the recorded slots as a row"""
 
@@ -40,6 +41,9 @@ TERMINATED = 3
 """an FMI 3 component asked for the end of the simulation"""
 EARLY = 4
 """an FMI 3 component returned before the end of its step, which it was not allowed to"""
+
+OUT_OF_RANGE = 5
+"""a number does not fit into the C type of the input that it is written to"""
 
 BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32, BOOL32 = range(11)
 """Kinds of C numbers that are not float64; booleans are 1 byte in FMI 3 and an int in FMI 2."""

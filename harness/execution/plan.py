@@ -35,6 +35,7 @@ from harness.execution.actions import (
     Sample,
     Step,
     Transfer,
+    View,
     Write,
 )
 from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
@@ -97,6 +98,7 @@ class _Planner:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
         self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
+        self._check_phases()
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
@@ -125,6 +127,17 @@ class _Planner:
         )
 
     # rates
+
+    def _check_phases(self) -> None:
+        for c in self.lowered.sampled:
+            rate = rate_of(c)
+            if rate.phase_ns < 0:
+                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
+            if rate.phase_ns >= rate.period_ns:
+                raise TimingError(
+                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
+                    f"{show(rate.period_ns)}"
+                )
 
     def _check_rates(self) -> None:
         for wire in self.lowered.wires:
@@ -173,13 +186,6 @@ class _Planner:
                 f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
                 f"{text}"
             )
-        for c in self.lowered.sampled:
-            if rate_of(c).phase_ns >= rate_of(c).period_ns:
-                rate = rate_of(c)
-                raise TimingError(
-                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
-                    f"{show(rate.period_ns)}"
-                )
 
     def _check_stop(self) -> None:
         length = self.system.stop_ns - self.system.start_ns
@@ -264,9 +270,8 @@ class _Planner:
     def _actions(self, offset: int) -> Iterator[Action]:
         due = [name for name, instants in self.due.items() if offset in instants]
         sampled = [c for c in self.blocks if offset in self._sample_offsets(c)]
-        for c in self.delays:
-            if offset in self._sample_offsets(c):
-                yield Compute(c.name)
+        arriving = [d.name for d in self.delays if offset in self._sample_offsets(d)]
+        yield from map(Compute, arriving)
         yield from (Sample(c.name) for c in sampled if isinstance(c, SignalComponent))
         yield from self._staged(self.stages, due)
         yield from (Linearise(c.name) for c in sampled if isinstance(c, SensitivityComponent))
@@ -274,9 +279,9 @@ class _Planner:
             if not isinstance(c, (SignalComponent, SensitivityComponent)):
                 yield from self._compute(c)
         yield from self._apply(due)
-        for c in self.delays:
-            if (offset - c.source_phase_ns) % c.period_ns == 0:
-                yield Transfer(tuple(self.wires_to[c.name]))
+        for delay in self.delays:
+            if (offset - delay.source_phase_ns) % delay.period_ns == 0:
+                yield Transfer(tuple(self.wires_to[delay.name]))
         if offset % self.system.record_ns == 0:
             yield Record()
         yield from self._steps(offset, due)
@@ -287,16 +292,16 @@ class _Planner:
         yield Compute(component.name)
 
     def _staged(
-        self, stages: tuple[Stage, ...], due: list[str], ahead: bool = False
+        self, stages: tuple[Stage, ...], due: list[str], view: View = "present"
     ) -> Iterator[Action]:
         for stage in stages:
             wires = tuple(w for w in stage.wires if w.target.component in due)
             if wires:
-                yield Transfer(wires, ahead)
+                yield Transfer(wires, view)
                 yield from _grouped(Write, [w.target for w in wires])
             outputs = [end for end in stage.outputs if end.component in due]
             for name, variables in _by_component(outputs).items():
-                yield Read(name, variables, ahead)
+                yield Read(name, variables, view)
 
     def _apply(self, due: list[str]) -> Iterator[Action]:
         wires = tuple(wire for name in due for wire in self.wires_to[name])
@@ -304,10 +309,10 @@ class _Planner:
             yield Transfer(wires)
         if self.fresh:
             yield from self._write(due)
-            yield from self._staged(self.fresh, due, ahead=True)
+            yield from self._staged(self.fresh, due, "applied")
             outputs = {end for stage in self.fresh for end in stage.outputs}
             moved = tuple(wire for wire in wires if wire.source in outputs)
-            yield Transfer(moved, ahead=True)
+            yield Transfer(moved, "applied")
 
     def _write(self, due: list[str]) -> Iterator[Action]:
         for name in due:
@@ -321,13 +326,13 @@ class _Planner:
         for name in due:
             before = self._wires_from_before(name)
             if before:
-                yield Transfer(before, ahead=True)
+                yield Transfer(before, "reached")
             yield from self._write([name])
             yield Step(name, self._step_from(name, offset))
             later = [w.source for other in self.fmus for w in self._wires_from_before(other)
                      if w.source.component == name]  # fmt: skip
             if later:
-                yield Read(name, tuple(dict.fromkeys(end.variable for end in later)), ahead=True)
+                yield Read(name, tuple(dict.fromkeys(end.variable for end in later)), "reached")
 
     def _wires_from_before(self, name: str) -> tuple[Wire, ...]:
         place = self.position
@@ -344,9 +349,14 @@ class _Planner:
     def _initial_actions(self) -> Iterator[Action]:
         names = list(self.fmus)
         yield from self._staged(self.stages, names)
-        for component in self.lowered.sampled:
+        stated = {c.name for c in self.system.components}
+        for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
                 yield Transfer(tuple(self.wires_to[component.name]))
+                if component.name not in stated:  # what is on a wire passes its source's value on
+                    came_in = Endpoint(component.name, component.inputs[0].name)
+                    goes_out = Endpoint(component.name, component.outputs[0].name)
+                    yield Transfer((Wire(came_in, goes_out),))
         wires = tuple(wire for name in names for wire in self.wires_to[name])
         if wires:
             yield Transfer(wires)

@@ -23,6 +23,7 @@ from harness.execution.actions import (
     Sample,
     Step,
     Transfer,
+    View,
     Write,
 )
 from harness.execution.compile import compile_step
@@ -150,7 +151,7 @@ class _Linker:
     def _transfer(self, action: Transfer) -> list[int]:
         first = len(self.copies)
         for wire in action.wires:
-            source = self.layout.slot(wire.source, ahead=action.ahead)
+            source = self.layout.slot(wire.source, action.view)
             self.copies.append((source, self.layout.slots[wire.target]))
             self.scales.append((wire.factor, wire.offset))
         return [op.COPY, first, len(self.copies)]
@@ -197,8 +198,8 @@ class _Linker:
         yield from linearisation.operations(self._pointer(name, ["value"]))
 
     def _read(self, action: Read) -> Iterable[list[int]]:
-        for suffix, kind, ends in self._groups(action.component, action.outputs):
-            first = self.layout.slot(ends[0], ahead=action.ahead)
+        for suffix, kind, ends in self._groups(action.component, action.outputs, action.view):
+            first = self.layout.slot(ends[0], action.view)
             yield from self._access("Get", action.component, suffix, kind, ends, first)
             if kind in (FLOAT64, op.FLOAT32):
                 yield [op.CHECK, first, first + len(ends)]
@@ -209,18 +210,22 @@ class _Linker:
             yield from self._access("Set", action.component, suffix, kind, ends, first)
 
     def _groups(
-        self, name: str, variables: Sequence[str]
+        self, name: str, variables: Sequence[str], view: View = "present"
     ) -> Iterable[tuple[str, int, list[Endpoint]]]:
+        """Ports of one C type that lie side by side, so that one call reads or writes them."""
         d = self.instances[name].description
-        ends = sorted(
-            (Endpoint(name, variable) for variable in variables), key=self.layout.slots.__getitem__
-        )
 
-        def type_of(end: Endpoint) -> tuple[str, int]:
-            return access(d.variable(end.variable), d.fmi_major)
+        def slot(end: Endpoint) -> int:
+            return self.layout.slot(end, view)
 
-        for (suffix, kind), group in groupby(ends, key=type_of):
-            yield suffix, kind, list(group)
+        def neighbours(place: tuple[int, Endpoint]) -> tuple[tuple[str, int], int]:
+            i, end = place
+            return access(d.variable(end.variable), d.fmi_major), slot(end) - i
+
+        ends = sorted((Endpoint(name, variable) for variable in variables), key=slot)
+
+        for ((suffix, kind), _), group in groupby(enumerate(ends), key=neighbours):
+            yield suffix, kind, [end for _, end in group]
 
     def _access(
         self, verb: str, name: str, suffix: str, kind: int, ends: list[Endpoint], first: int

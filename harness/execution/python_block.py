@@ -7,6 +7,7 @@ status that ends the run, and whoever runs the loop raises it again with compone
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -41,16 +42,16 @@ class PythonCallback:
 
     def _wrap(self, component: PythonComponent) -> Any:
         clock, inputs, outputs = (_view(array) for array in self._arrays)
-        function, read = component.function, inputs.tolist
+        evaluate = _evaluation(component.function, inputs)
         single = len(component.outputs) == 1
         names = ", ".join(s.name for s in component.outputs)
 
         def call() -> int:
             try:
-                result: Any = function(clock[INSTANT] / NANOSECONDS, *read())
+                result: Any = evaluate(clock[INSTANT] / NANOSECONDS)
                 if single:
                     outputs[0] = result if result.__class__ is float else float(result)
-                else:
+                elif names:  # a sink has no outputs and may return anything
                     _store(outputs, result, names)
             except BaseException as fault:
                 self.fault = fault
@@ -63,6 +64,19 @@ class PythonCallback:
 def _view(array: NDArray[Any]) -> Any:
     """The memory of `array`; its items are read and written faster than those of an array."""
     return memoryview(array)  # type: ignore[arg-type]
+
+
+def _evaluation(function: Callable[..., Any], u: Any) -> Callable[[float], Any]:
+    """`function(t, *u)` for one argument t; the usual few inputs without an argument list, which
+    costs as much as a small controller."""
+    match len(u):
+        case 1:
+            return lambda t: function(t, u[0])
+        case 2:
+            return lambda t: function(t, u[0], u[1])
+        case 3:
+            return lambda t: function(t, u[0], u[1], u[2])
+    return lambda t: function(t, *u.tolist())
 
 
 def _store(outputs: Any, result: Any, names: str) -> None:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from harness.clock import to_seconds
 from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
-from harness.execution.faults import explain
+from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
 from harness.execution.program import Program, link
@@ -156,11 +156,11 @@ def execute(
             program = _initialise(plan, instances)
             clock = program.clock
             fault = _loop(program, instances, recorder, progress)
-            if fault is None:
+            if fault is None or isinstance(fault, EndRequestedError):
                 for instance in instances.values():
                     instance.terminate()
         except HarnessError as caught:
-            fault = caught
+            fault = fault or caught
     system = plan.lowered.system
     end = system.start_ns if clock is None else int(clock[1])
     end = system.stop_ns if fault is None else end
@@ -195,7 +195,6 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
         if isinstance(delay, DelayComponent):
             held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
             program.states[delay.name][1:] = held
-            program.v[program.layout.slots[Endpoint(delay.name, "out")]] = held
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program

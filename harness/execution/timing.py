@@ -74,15 +74,17 @@ def describe(action: Action) -> str:
         case Sample():
             return f"sample signal {action.component}"
         case Transfer():
-            how = "pass on what was reached: " if action.ahead else "copy "
+            how = "copy " if action.view == "present" else f"copy what was {action.view}: "
             return how + ", ".join(f"{w.source} -> {w.target}" for w in action.wires)
         case Compute():
             return f"compute {action.component}"
         case Linearise():
             return f"linearise for {action.component}"
         case Read():
-            when = " at the end of its step" if action.ahead else ""
-            return f"read {action.component}: {', '.join(action.outputs)}{when}"
+            when = {"applied": " after its inputs", "reached": " at the end of its step"}
+            return (
+                f"read {action.component}: {', '.join(action.outputs)}{when.get(action.view, '')}"
+            )
         case Write():
             return f"write {action.component}: {', '.join(action.inputs)}"
         case Step():

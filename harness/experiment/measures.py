@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
 
 import numpy as np
@@ -67,7 +68,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values * values)))
 
 
-_KINDS = {
+_KINDS: dict[str, Callable[[Array], float]] = {
     "rms": _rms,
     "mean": lambda values: float(np.mean(values)),
     "mean_abs": lambda values: float(np.mean(np.abs(values))),

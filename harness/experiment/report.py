@@ -106,7 +106,7 @@ def _membership(
         return {}
     component, result = plot.membership or "", results[variant]
     controller = experiment.bench(variant).controllers.get(component)
-    if not hasattr(controller, "membership_curves"):
+    if controller is None or not hasattr(controller, "membership_curves"):
         raise ExperimentError(
             f"{experiment.path}: plots.{name}.membership: component {component!r} of variant "
             f"{variant!r} has no membership functions that change"

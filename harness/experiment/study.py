@@ -7,11 +7,9 @@ left out is reported, and so is the share of runs in which a variant loses the l
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +18,12 @@ from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment
+from harness.experiment.parallel import spread
 from harness.results.comparison import PairedDifference, Share, paired_difference, share
 
 Metrics = Mapping[str, float | None]
+Task = tuple[str, int]
+"""A variant and a seed."""
 LOST = "lost_loop"
 
 
@@ -95,22 +96,15 @@ def run_study(
 
 
 def _run_all(
-    experiment: Experiment, tasks: list[tuple[str, int]], jobs: int
-) -> Iterator[tuple[tuple[str, int], Metrics]]:
-    variant, seed = tasks[0]
-    yield tasks[0], _run_one(experiment, variant, seed)  # builds and compiles once, for all
-    workers = min(jobs or os.cpu_count() or 1, len(tasks))
-    if workers == 1:
-        for task in tasks[1:]:
-            yield task, _run_one(experiment, *task)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {pool.submit(_run_one, experiment, *task): task for task in tasks[1:]}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+    experiment: Experiment, tasks: list[Task], jobs: int
+) -> Iterator[tuple[Task, Metrics]]:
+    first, *others = tasks
+    yield first, _run_one(experiment, first)  # builds and compiles once, for all
+    yield from spread(partial(_run_one, experiment), others, jobs)
 
 
-def _run_one(experiment: Experiment, variant: str, seed: int) -> Metrics:
+def _run_one(experiment: Experiment, task: Task) -> Metrics:
+    variant, seed = task
     try:
         return dict(experiment.run(variant, seed=seed).metrics)
     except HarnessError as fault:

@@ -9,9 +9,8 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, Table
+from harness.experiment.parallel import spread
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.plots import axis_label
 
@@ -63,26 +63,23 @@ def run_sweep(
     for variant in chosen:
         _point(experiment, variant, spec.x.values[0], spec.y.values[0])  # builds and compiles once
     workers = jobs or os.cpu_count() or 1
+    stride = min(spec.y.count, workers * _CHUNKS)
     tasks = [
-        (variant, rows)
+        (variant, tuple(range(first, spec.y.count, stride)))
         for variant in chosen
-        for rows in np.array_split(np.arange(spec.y.count), min(spec.y.count, workers * _CHUNKS))
+        for first in range(stride)
     ]
     found = {v: np.full((spec.y.count, spec.x.count), np.nan) for v in chosen}
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {
-            pool.submit(_rows, experiment, variant, [int(r) for r in rows]): (variant, rows)
-            for variant, rows in tasks
-        }
-        for done, future in enumerate(as_completed(futures), 1):
-            variant, rows = futures[future]
-            found[variant][rows] = future.result()
-            if progress is not None:
-                progress(done / len(tasks))
+    outcomes = spread(partial(_rows, experiment), tasks, workers)
+    for done, ((variant, rows), outcome) in enumerate(outcomes, 1):
+        found[variant][list(rows)] = outcome
+        if progress is not None:
+            progress(done / len(tasks))
     return {variant: Region(variant, spec, outcome) for variant, outcome in found.items()}
 
 
-def _rows(experiment: Experiment, variant: str, rows: list[int]) -> NDArray[np.float64]:
+def _rows(experiment: Experiment, task: tuple[str, tuple[int, ...]]) -> NDArray[np.float64]:
+    variant, rows = task
     spec = experiment.spec.sweep
     assert spec is not None
     return np.array(
@@ -103,14 +100,14 @@ def _point(experiment: Experiment, variant: str, x: float, y: float) -> float:
         _set(changes, axis.key, value)
     moved = Experiment.from_data(data, experiment.path)
     try:
-        value = moved.run(variant).metrics.get(spec.outcome)
+        outcome = moved.run(variant).metrics.get(spec.outcome)
     except HarnessError as fault:
         if fault.result is None:
             raise
         return float("nan")
-    if value is None:
+    if outcome is None:
         raise ExperimentError(f"{experiment.path}: sweep.outcome {spec.outcome!r} is no metric")
-    return value
+    return outcome
 
 
 def _set(data: Table, key: str, value: float) -> None:

@@ -12,11 +12,11 @@ from collections.abc import Mapping
 from numbers import Real
 from typing import Any, TypeVar
 
+from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
 from harness.instruments.source import SignalSource
 
 T = TypeVar("T")
-LONGEST_TIME = 9.2e9  # seconds; beyond it int64 nanoseconds overflow
 
 
 def build(what: str, registry: Mapping[str, type[T]], kind: str, given: Mapping[str, Any]) -> T:
@@ -86,8 +86,8 @@ def check_numbers(owner: object, *names: str) -> None:
 
 def check_time(owner: object, name: str, *, positive: bool = False) -> None:
     """Field `name` is a time in seconds that int64 nanoseconds hold; `positive`: at least 1 ns."""
-    low = 1e-9 if positive else -LONGEST_TIME
-    check_number(owner, name, at_least=low, at_most=LONGEST_TIME)
+    low = 1e-9 if positive else -LONGEST
+    check_number(owner, name, at_least=low, at_most=LONGEST)
 
 
 def check_whole(owner: object, name: str, low: int, high: int) -> None:

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import SeedSequence
 
+from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError, SimulationError
 from harness.instruments.checks import check_numbers, check_signal, check_time, check_unit, label
 from harness.instruments.source import (
@@ -18,7 +19,6 @@ from harness.instruments.source import (
     Times,
     Values,
     child_seed,
-    to_nanoseconds,
 )
 
 
@@ -182,6 +182,6 @@ class Windowed:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """The signal is seeded with `seed` itself."""
-        end = None if self.end_time is None else to_nanoseconds(self.end_time)
-        start = to_nanoseconds(self.start_time)
+        end = None if self.end_time is None else nearest_nanosecond(self.end_time)
+        start = nearest_nanosecond(self.start_time)
         return WindowedSampler(self.signal.sampler(seed), start, end, float(self.outside))

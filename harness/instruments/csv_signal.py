@@ -19,9 +19,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.random import SeedSequence
 
+from harness.clock import LONGEST, NANOSECONDS
 from harness.errors import ExperimentError, nearest
-from harness.instruments.checks import LONGEST_TIME, check_choice, check_unit, label
-from harness.instruments.source import NANOSECONDS, PureSampler, Sampler, Times, Values
+from harness.instruments.checks import check_choice, check_unit, label
+from harness.instruments.source import PureSampler, Sampler, Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
 
@@ -40,8 +41,8 @@ class CsvTable:
         seconds = self.column(self._time_name())
         if len(seconds) == 0:
             raise ExperimentError(f"{self.path} has a header but no rows of values")
-        if not np.all(np.abs(seconds) <= LONGEST_TIME):
-            raise ExperimentError(f"{self.path} has times beyond {LONGEST_TIME:g} s")
+        if not np.all(np.abs(seconds) <= LONGEST):
+            raise ExperimentError(f"{self.path} has times beyond {LONGEST:g} s")
         times_ns = np.rint(seconds * NANOSECONDS).astype(np.int64)
         backwards = np.flatnonzero(np.diff(times_ns) < 0)
         if len(backwards):

@@ -14,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import Generator, SeedSequence
 
+from harness.clock import nearest_nanosecond, seconds_of
 from harness.errors import ExperimentError
 from harness.instruments.checks import check_number, check_time, check_unit, label
 from harness.instruments.source import (
@@ -22,8 +23,6 @@ from harness.instruments.source import (
     Values,
     child_seed,
     generator,
-    to_nanoseconds,
-    to_seconds,
 )
 
 
@@ -205,7 +204,7 @@ class BandLimitedNoise:
         """A sampler that remembers the value in force."""
         std = math.sqrt(self.power / self.sample_time)
         return HeldNoiseSampler(
-            std, float(self.mean), to_nanoseconds(self.sample_time), generator(seed)
+            std, float(self.mean), nearest_nanosecond(self.sample_time), generator(seed)
         )
 
 
@@ -225,7 +224,7 @@ class LowPassNoiseSampler:
         if len(times_ns) == 0:
             return np.empty(0)
         before = times_ns[0] if self.previous is None else self.previous
-        gaps = to_seconds(np.diff(times_ns, prepend=before))
+        gaps = seconds_of(np.diff(times_ns, prepend=before))
         decay = [math.exp(-self.omega * gap) for gap in gaps.tolist()]
         if self.previous is None:
             decay[0] = 0.0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.random import SeedSequence
 from numpy.typing import NDArray
 
+from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError
 from harness.instruments.checks import (
     check_number,
@@ -24,7 +25,6 @@ from harness.instruments.source import (
     Times,
     Values,
     generator,
-    to_nanoseconds,
 )
 
 
@@ -57,8 +57,8 @@ class Pulse:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        start, width = to_nanoseconds(self.start_time), to_nanoseconds(self.width)
-        period = None if self.period is None else to_nanoseconds(self.period)
+        start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
+        period = None if self.period is None else nearest_nanosecond(self.period)
         low, high = float(self.bias), float(self.bias + self.amplitude)
 
         def values(times_ns: Times) -> Values:
@@ -92,8 +92,8 @@ class Square:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        start, period = to_nanoseconds(self.start_time), to_nanoseconds(self.period)
-        width = to_nanoseconds(self.duty * self.period)
+        start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
+        width = nearest_nanosecond(self.duty * self.period)
         low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
 
         def values(times_ns: Times) -> Values:
@@ -166,5 +166,5 @@ class Prbs:
         high = maximal_length_bits(self.order) == 1
         levels = self.bias + np.where(high, float(self.amplitude), -float(self.amplitude))
         begin = int(generator(seed).integers(len(levels)))
-        bit = to_nanoseconds(self.bit_time)
+        bit = nearest_nanosecond(self.bit_time)
         return PureSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])

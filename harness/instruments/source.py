@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -21,8 +20,6 @@ from numpy.typing import NDArray
 
 Times = NDArray[np.int64]
 Values = NDArray[np.float64]
-
-NANOSECONDS = 1_000_000_000
 
 
 class Sampler(Protocol):
@@ -56,16 +53,6 @@ class PureSampler:
     def sample(self, times_ns: Times) -> Values:
         """The function's values at `times_ns`."""
         return self.function(times_ns)
-
-
-def to_nanoseconds(seconds: float) -> int:
-    """The integer nanosecond nearest to `seconds`: 0.1 + 0.2 and 0.3 are the same instant."""
-    return round(Fraction(seconds) * NANOSECONDS)
-
-
-def to_seconds(times_ns: Times) -> Values:
-    """The double nearest to each instant in seconds (below 2**53 ns, which is 104 days)."""
-    return times_ns / float(NANOSECONDS)
 
 
 def named_seed(seed: int, *names: str) -> SeedSequence:

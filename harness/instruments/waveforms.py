@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.random import SeedSequence
 
+from harness.clock import nearest_nanosecond, seconds_of
 from harness.errors import ExperimentError
 from harness.instruments.checks import (
     check_choice,
@@ -27,8 +28,6 @@ from harness.instruments.source import (
     Sampler,
     Times,
     Values,
-    to_nanoseconds,
-    to_seconds,
 )
 
 TWO_PI = 2.0 * math.pi
@@ -70,7 +69,7 @@ class Step:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        edge = to_nanoseconds(self.time)
+        edge = nearest_nanosecond(self.time)
         low, high = float(self.initial), float(self.final)
         return PureSampler(lambda times_ns: np.where(times_ns >= edge, high, low))
 
@@ -98,7 +97,7 @@ class MultiStep:
                 f"{label(self)}: 'times' and 'values' must be of one length, at least 1, got "
                 f"{len(self.times)} and {len(self.values)}"
             )
-        edges = [to_nanoseconds(one) for one in self.times]
+        edges = [nearest_nanosecond(one) for one in self.times]
         if any(later <= earlier for earlier, later in pairwise(edges)):
             raise ExperimentError(
                 f"{label(self)}: 'times' must increase by at least 1 ns, got {self.times!r}"
@@ -106,7 +105,7 @@ class MultiStep:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        edges = np.array([to_nanoseconds(one) for one in self.times], dtype=np.int64)
+        edges = np.array([nearest_nanosecond(one) for one in self.times], dtype=np.int64)
         levels = np.array([self.initial, *self.values], dtype=np.float64)
         return PureSampler(lambda times_ns: levels[np.searchsorted(edges, times_ns, "right")])
 
@@ -138,12 +137,12 @@ class Ramp:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        start = to_nanoseconds(self.start_time)
-        end = None if self.end_time is None else to_nanoseconds(self.end_time)
+        start = nearest_nanosecond(self.start_time)
+        end = None if self.end_time is None else nearest_nanosecond(self.end_time)
 
         def values(times_ns: Times) -> Values:
             elapsed = np.clip(times_ns, start, end) - start
-            return self.initial + self.slope * to_seconds(elapsed)
+            return self.initial + self.slope * seconds_of(elapsed)
 
         return PureSampler(values)
 
@@ -177,7 +176,7 @@ class Sine:
             omega = TWO_PI * self.frequency
 
         def values(times_ns: Times) -> Values:
-            return self.bias + self.amplitude * np.sin(omega * to_seconds(times_ns) + self.phase)
+            return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
 
         return PureSampler(values)
 
@@ -231,10 +230,10 @@ class Chirp:
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory; the seed is not used."""
-        start = to_nanoseconds(self.start_time)
+        start = nearest_nanosecond(self.start_time)
 
         def values(times_ns: Times) -> Values:
-            angle = self.angle(to_seconds(times_ns - start))
+            angle = self.angle(seconds_of(times_ns - start))
             return self.bias + self.amplitude * np.sin(angle + self.phase)
 
         return PureSampler(values)

@@ -29,11 +29,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import seconds_of
 from harness.errors import RecordingError
 from harness.results.columns import Column, check_columns, stream_schema
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
-from harness.results.storage import STREAM_FILE, read_recording, seal, to_seconds
+from harness.results.storage import STREAM_FILE, read_recording, seal
 
 __all__ = ["Column", "Recording", "read_recording", "seal"]
 
@@ -127,7 +128,7 @@ class Recording:
         """
         if self.result is not None:
             return self.result
-        until = None if self._last is None else float(to_seconds(np.array([self._last]))[0])
+        until = None if self._last is None else float(seconds_of(np.array([self._last]))[0])
         status = RunStatus(INCOMPLETE if reason else COMPLETE, until, reason)
         wall_time = clock.perf_counter() - self._begun
         self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
@@ -142,7 +143,7 @@ class Recording:
         times = [chunk[0] for chunk in self._chunks] or [np.empty(0, dtype=np.int64)]
         rows = [chunk[1] for chunk in self._chunks] or [np.empty((0, len(self.columns)))]
         data = np.asfortranarray(np.concatenate(rows))
-        return Result(self.columns, to_seconds(np.concatenate(times)), data, self._manifest)
+        return Result(self.columns, seconds_of(np.concatenate(times)), data, self._manifest)
 
     def _close(self) -> None:
         try:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import NANOSECONDS, seconds_of
 from harness.errors import RecordingError
 from harness.results.columns import (
     TIME,
@@ -29,13 +30,6 @@ PARQUET_FILE = "results.parquet"
 CSV_FILE = "results.csv"
 METRICS_FILE = "metrics.json"
 ROWS_A_BLOCK = 65_536
-
-NANOSECONDS = 1e9
-
-
-def to_seconds(times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-    """The double nearest to each time in seconds."""
-    return np.asarray(times_ns / NANOSECONDS)
 
 
 def seal(folder: Path, manifest: Manifest | None = None, *, reason: str = "") -> Result:
@@ -87,7 +81,7 @@ def _read_stream(folder: Path, manifest: Manifest) -> Result:
 
     schema = stream_schema(manifest.columns)
     table = pa.Table.from_batches(list(_whole_batches(folder / STREAM_FILE)), schema=schema)
-    time = to_seconds(np.array(table.column(TIME_NS)))
+    time = seconds_of(np.array(table.column(TIME_NS)))
     if manifest.status.state == RUNNING:
         until = float(time[-1]) if len(time) else None
         status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
@@ -156,7 +150,7 @@ def _convert(folder: Path, stream: Path, columns: Sequence[Column]) -> int | Non
         for block in _blocks(stream):
             times_ns = np.array(block.column(TIME_NS))
             last = int(times_ns[-1])
-            arrays = [pa.array(to_seconds(times_ns)), *block.columns[1:]]
+            arrays = [pa.array(seconds_of(times_ns)), *block.columns[1:]]
             table = pa.Table.from_arrays(arrays, schema=schema)
             table_file.write_table(table)
             arrow_csv.write_csv(table, csv_file, no_header)

@@ -38,7 +38,10 @@ def as_stored(type_name: str, value: float) -> float:
     if type_name == "Boolean":
         return float(value != 0.0)
     if type_name in INTEGER_TYPES:
-        return float(round(value))
+        whole = round(value)
+        if C_TYPES[type_name](whole).value != whole:
+            raise OverflowError(f"{type_name} {whole}")
+        return float(whole)
     return ctypes.c_float(value).value if type_name == "Float32" else value
 
 
@@ -223,5 +226,3 @@ class MockFmu:
     def instantiate(self, name: str, *, logging: bool = False, echo: Any = None) -> MockInstance:
         self.instances.append(MockInstance(self, name, echo))
         return self.instances[-1]
-
-

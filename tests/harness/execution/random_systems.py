@@ -42,7 +42,6 @@ class Case:
     fmus: dict[str, MockFmu]
 
 
-
 @st.composite
 def mock_fmus(draw: st.DrawFn) -> MockFmu:
     """An FMU with ports of any type; about half of its outputs depend directly on inputs."""
@@ -52,8 +51,9 @@ def mock_fmus(draw: st.DrawFn) -> MockFmu:
     mostly = st.one_of(st.just(real), st.just(real), kinds)
     inputs = tuple(Input(f"u{i}", draw(mostly)) for i in range(draw(st.integers(1, 3))))
     names = st.lists(st.sampled_from([port.name for port in inputs]), unique=True)
+    free = draw(st.integers(0, 2))
     outputs = tuple(
-        Output(f"y{i}", draw(mostly), 1.0 + i, tuple(sorted(draw(names))) if i else ())
+        Output(f"y{i}", draw(mostly), 1.0 + i, () if i == free else tuple(sorted(draw(names))))
         for i in range(draw(st.integers(1, 3)))
     )
     return MockFmu(inputs, outputs, major, state=draw(st.sampled_from([1.0, -0.75, 2.5])))
@@ -65,7 +65,8 @@ def systems(draw: st.DrawFn) -> Case:
     tick = draw(st.sampled_from([1_000_000, 700_000, 123_457]))
     fmus = {f"fmu{i}": draw(mock_fmus()) for i in range(draw(st.integers(1, 3)))}
     components: list[Component] = [
-        FmuComponent(name, Path("mock.fmu"), tick * draw(st.sampled_from([2, 4, 4]))) for name in fmus
+        FmuComponent(name, Path("mock.fmu"), tick * draw(st.sampled_from([2, 4, 4])))
+        for name in fmus
     ]
     longest = max(c.step_ns for c in components if isinstance(c, FmuComponent))
     for i in range(draw(st.integers(0, 1))):

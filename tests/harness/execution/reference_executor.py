@@ -65,7 +65,7 @@ class Executor:
             self.rows[row_number] = [self.v[slot] for slot in self.recorded]
             self.clock[2] += 1
         elif code in (op.ENCODE, op.DECODE):
-            self.convert(code, *o[:4])
+            return self.convert(code, *o[:4])
         return op.OK
 
     def step(self, now: int, stop: int, code: int, o: list[int]) -> int:
@@ -88,25 +88,27 @@ class Executor:
         self.clock[4] = status
         return op.STATUS
 
-    def convert(self, code: int, kind: int, first: int, last: int, start: int) -> None:
+    def convert(self, code: int, kind: int, first: int, last: int, start: int) -> int:
         form, n = FORMATS[kind], last - first
         size = struct.calcsize(f"<{form}") * n
         if code == op.DECODE:
             stored = struct.unpack(f"<{n}{form}", self.exchange[start : start + size].tobytes())
             self.v[first:last] = [float(bool(x) if kind == op.BOOL32 else x) for x in stored]
-            return
+            return op.OK
         values = [float(x) for x in self.v[first:last]]
         if kind in (op.BOOL8, op.BOOL32):
             values = [x != 0.0 for x in values]
         elif kind != op.FLOAT32:
             values = [round(x) for x in values]
-        self.exchange[start : start + size] = list(struct.pack(f"<{n}{form}", *values))
+        try:
+            self.exchange[start : start + size] = list(struct.pack(f"<{n}{form}", *values))
+        except (struct.error, OverflowError):
+            return op.OUT_OF_RANGE
+        return op.OK
 
 
 def run_cycles(program, instants, span, clock, v, copies, scales, samples, cursors, exchange,
                recorded, rows, times):  # type: ignore[no-untyped-def]  # fmt: skip
     """The same arguments and outcomes as the compiled loop."""
-    executor = Executor(
-        clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times
-    )
+    executor = Executor(clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times)
     return executor.run(program, instants, span)

@@ -133,9 +133,7 @@ class Simulation:
                 self.apply(target, self.incoming(wire, now, known))
         return self.models[end.component].get(end.variable)
 
-    def incoming(
-        self, wire: Connection, now: int, known: Mapping[Endpoint, float] | None
-    ) -> float:
+    def incoming(self, wire: Connection, now: int, known: Mapping[Endpoint, float] | None) -> float:
         """What a wire brings to an FMU input at `now`."""
         factor, offset = self.conversions[wire]
         if wire.delay_ns:
@@ -224,9 +222,18 @@ class Simulation:
                 end = Endpoint(c.name, port.name)
                 self.value[end] = self.read(end, now, None)
 
-    def run(self) -> tuple[list[int], list[list[float]]]:
-        self.initialise()
-        times, rows = [], []
+    def run(self) -> tuple[list[int], list[list[float]], bool]:
+        """Times and rows, and whether a number did not fit its port and ended the run."""
+        times: list[int] = []
+        rows: list[list[float]] = []
+        try:
+            self.initialise()
+            self.proceed(times, rows)
+        except OverflowError:
+            return times, rows, True
+        return times, rows, False
+
+    def proceed(self, times: list[int], rows: list[list[float]]) -> None:
         instants = self.instants()
         for place, now in enumerate(instants):
             for line in self.lines.values():
@@ -250,7 +257,6 @@ class Simulation:
                 times.append(now)
                 rows.append([self.look(end) for end in self.recorded])
             self.step(now, instants[place + 1 :])
-        return times, rows
 
     def look(self, end: Endpoint) -> float:
         return self.value[end] if end in self.value else self.input[end]

@@ -41,9 +41,7 @@ def run_to_end(
     return rows, execute(plan, fmus, rows)  # type: ignore[arg-type]
 
 
-def run(
-    system: System, fmus: Mapping[str, MockFmu], record: tuple[str, ...] = ("*",)
-) -> Rows:
+def run(system: System, fmus: Mapping[str, MockFmu], record: tuple[str, ...] = ("*",)) -> Rows:
     """The rows of a run that reaches its stop time."""
     rows, outcome = run_to_end(system, fmus, record)
     if isinstance(outcome.fault, HarnessError):

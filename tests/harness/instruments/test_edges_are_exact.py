@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.random import SeedSequence
 
+from harness.clock import nearest_nanosecond, seconds_of
 from harness.instruments.signals import MultiStep, Pulse, Ramp, SignalSource, Square, Step
-from harness.instruments.source import to_nanoseconds, to_seconds
 
 
 def at(source: SignalSource, *instants: int) -> list[float]:
@@ -26,8 +26,8 @@ def test_rounding_of_the_written_time_does_not_move_the_edge(written: float) -> 
 
 def test_every_sample_instant_of_a_grid_is_an_exact_edge() -> None:
     for k in range(1, 2000):
-        assert to_nanoseconds(k * 0.01) == k * 10_000_000
-        assert float(to_seconds(np.array([k * 10_000_000]))[0]) == float(f"{k / 100:.2f}")
+        assert nearest_nanosecond(k * 0.01) == k * 10_000_000
+        assert float(seconds_of(np.array([k * 10_000_000]))[0]) == float(f"{k / 100:.2f}")
 
 
 @given(st.lists(st.integers(0, 10**12), min_size=1, max_size=8, unique=True))

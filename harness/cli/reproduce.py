@@ -1,0 +1,57 @@
+"""`fmu-harness reproduce`: run a paper, judge its claims, write its page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from harness import registry
+from harness.cli.notices import notices
+from harness.cli.progress import bar
+from harness.cli.terminal import console
+
+
+def reproduce_command(
+    papers: Annotated[
+        list[str] | None, typer.Argument(help="Papers; all when none is named")
+    ] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder of the pages")] = None,
+    fast: Annotated[bool, typer.Option(help="Few seeds and coarse grids")] = False,
+    update: Annotated[bool, typer.Option(help="Write the READMEs' verdicts")] = False,
+    jobs: Annotated[int, typer.Option(help="Processes; 0: one a core")] = 0,
+) -> None:
+    """Run all experiments of papers and judge their claims."""
+    from harness.experiment.reproduce import load_paper, reproduce, update_readme, write_page
+
+    out = console()
+    known = registry.experiments()
+    names = papers or sorted({name.partition("/")[0] for name in known})
+    loaded = [load_paper(name, known) for name in names]
+    root = output or registry.run_folder("reproduce")
+    with notices():
+        for paper in loaded:
+            with bar() as progress:
+                task = progress.add_task(paper.name, total=1.0)
+                done = reproduce(
+                    paper, root / paper.name, fast=fast, jobs=jobs,
+                    report=lambda what, share, t=task, p=progress: p.update(  # type: ignore[misc]
+                        t, description=what, completed=share
+                    ),
+                )  # fmt: skip
+                progress.update(task, description=paper.name, completed=1.0)
+            table = Table(title=paper.claims.paper, title_justify="left")
+            for heading in ("page", "claim", "paper", "ours", "verdict"):
+                table.add_column(heading)
+            for v in done.verdicts:
+                ours = "–" if v.ours is None else f"{v.ours} {v.claim.unit}"
+                cells = (v.claim.page, v.claim.claim, v.claim.said, ours, v.verdict)
+                table.add_row(*(cell.replace("[", r"\[") for cell in cells))
+            out.print(table)
+            written = [write_page(done, root / paper.name)]
+            if update and not fast:
+                written.append(update_readme(done))
+            for path in written:
+                out.print(f"written: {path}", markup=False, soft_wrap=True)

@@ -1,0 +1,234 @@
+"""The claims of a paper, and what runs say of them.
+
+A claim is data (`claims.toml`): what the paper says, where, and the figure of an experiment that
+decides it. The verdict is computed from the runs: over seeds it is the interval of the mean that
+must lie wholly on one side of the limit, or the claim stays undecided.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+from scipy import stats
+
+from harness.errors import ExperimentError, UsageError, nearest
+from harness.experiment.faults import describe
+from harness.experiment.schema import Strict
+from harness.experiment.study import LOST, Study
+from harness.experiment.sweep import Region
+from harness.results.comparison import share
+
+HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
+UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
+REGION = "region_share"
+"""The metric of a sweep: the share of its points that are inside."""
+
+
+class TestSpec(Strict):
+    """A figure of an experiment, and the limit that it is held against."""
+
+    experiment: str
+    variant: str
+    metric: str
+    against: str | None = None
+    below: float | None = None
+    above: float | None = None
+    near: tuple[float, float] | None = None
+
+    @model_validator(mode="after")
+    def _one_limit(self) -> TestSpec:
+        if sum(limit is not None for limit in (self.below, self.above, self.near)) != 1:
+            raise ValueError("needs exactly one of below, above and near = [value, tolerance]")
+        return self
+
+
+class ClaimSpec(Strict):
+    """One claim: `paper` is its number or words, the rest as in the module docstring."""
+
+    id: str
+    page: str
+    claim: str
+    paper: float | str = ""
+    unit: str = ""
+    test: TestSpec | None = None
+    given: TestSpec | None = None
+    untestable: str | None = None
+    reason: str = ""
+
+    @property
+    def said(self) -> str:
+        """The paper's number with its unit, or its words."""
+        if isinstance(self.paper, float):
+            return f"{self.paper:g} {self.unit}".strip()
+        return self.paper
+
+    @model_validator(mode="before")
+    @classmethod
+    def _flat(cls, data: object) -> object:
+        """The keys of the test may stand in the claim itself."""
+        if isinstance(data, dict) and "experiment" in data:
+            names = set(TestSpec.model_fields)
+            own = {k: v for k, v in data.items() if k not in names}
+            return {**own, "test": {k: v for k, v in data.items() if k in names}}
+        return data
+
+    @model_validator(mode="after")
+    def _decidable(self) -> ClaimSpec:
+        if (self.test is None) == (self.untestable is None):
+            raise ValueError("needs either a test (experiment, variant, metric) or untestable")
+        return self
+
+
+class ClaimsSpec(Strict):
+    """A whole `claims.toml`."""
+
+    paper: str
+    claims: tuple[ClaimSpec, ...] = Field(min_length=1)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure from runs: mean (or the one value) with its interval, and from how many runs."""
+
+    value: float
+    low: float
+    high: float
+    runs: int
+    missing: int = 0
+
+    def __str__(self) -> str:
+        if self.runs == 0:
+            return "–"
+        text = f"{self.value:.3g}"
+        if self.low != self.high:
+            text += f" [{self.low:.3g}, {self.high:.3g}]"
+        return text + (f" ({self.missing} of {self.runs} without)" if self.missing else "")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A claim with what the runs say of it; `given` belongs to the condition."""
+
+    claim: ClaimSpec
+    verdict: str
+    ours: Figure | None = None
+    given: Figure | None = None
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the runs of one experiment gave."""
+
+    metrics: Mapping[str, Mapping[str, float | None]]
+    study: Study | None = None
+    regions: Mapping[str, Region] = field(default_factory=dict)
+
+
+Source = Callable[[str], Evidence]
+"""Gives the evidence of an experiment by name; raises `UsageError` for an unknown one."""
+
+
+def load_claims(path: Path) -> ClaimsSpec:
+    """Read `claims.toml`; raises `ExperimentError` with one line for each fault."""
+    try:
+        return ClaimsSpec.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as fault:
+        raise ExperimentError(f"claims file {path} cannot be read: {fault}") from fault
+    except ValidationError as fault:
+        raise ExperimentError("\n".join(describe(str(path), fault))) from fault
+
+
+def judge(claim: ClaimSpec, evidence: Source) -> Verdict:
+    """The verdict on one claim."""
+    if claim.test is None:
+        return Verdict(claim, UNTESTABLE)
+    ours = figure(claim.test, evidence(claim.test.experiment))
+    met = _met(claim.test, ours)
+    given = None
+    if claim.given is not None:
+        given = figure(claim.given, evidence(claim.given.experiment))
+        if met is not True and _met(claim.given, given) is True:
+            return Verdict(claim, CONDITIONALLY, ours, given)
+    return Verdict(claim, {True: HOLDS, False: FAILS, None: UNDECIDED}[met], ours, given)
+
+
+def figure(test: TestSpec, evidence: Evidence) -> Figure:
+    """The figure that a test is about."""
+    if test.metric == REGION:
+        first = _region(test.variant, evidence)
+        value = first if test.against is None else first - _region(test.against, evidence)
+        return Figure(value, value, value, 1)
+    if evidence.study is None:
+        one = _single(test.variant, test, evidence)
+        other = None if test.against is None else _single(test.against, test, evidence)
+        return _summary([one if other is None or one is None else one - other])
+    study = evidence.study
+    values = _values(study, test.variant, test.metric)
+    if test.against is None:
+        if test.metric == LOST:
+            s = share([bool(value) for value in values])
+            return Figure(s.share, s.low, s.high, len(values))
+        return _summary(values)
+    others = _values(study, test.against, test.metric)
+    pairs = zip(values, others, strict=True)
+    return _summary([None if a is None or b is None else a - b for a, b in pairs])
+
+
+def _values(study: Study, variant: str, metric: str) -> list[float | None]:
+    if variant not in study.runs:
+        raise UsageError(f"{study.experiment.name}: no variant {variant!r}")
+    if all(metric not in run for run in study.runs[variant]):
+        known = {name for run in study.runs[variant] for name in run}
+        raise UsageError(f"{study.experiment.name}: no metric {metric!r}; {nearest(metric, known)}")
+    return study.values(variant, metric)
+
+
+def _single(variant: str, test: TestSpec, evidence: Evidence) -> float | None:
+    if variant not in evidence.metrics:
+        raise UsageError(f"{test.experiment}: no variant {variant!r}")
+    known = evidence.metrics[variant]
+    if test.metric not in known:
+        raise UsageError(
+            f"{test.experiment}: no metric {test.metric!r}; {nearest(test.metric, known)}"
+        )
+    return known[test.metric]
+
+
+def _region(variant: str, evidence: Evidence) -> float:
+    if variant not in evidence.regions:
+        raise UsageError(f"no sweep of variant {variant!r}; {nearest(variant, evidence.regions)}")
+    return evidence.regions[variant].share
+
+
+def _summary(values: Sequence[float | None], confidence: float = 0.95) -> Figure:
+    numbers = np.array([v for v in values if v is not None and np.isfinite(v)])
+    missing = len(values) - len(numbers)
+    if len(numbers) == 0:
+        return Figure(np.nan, np.nan, np.nan, 0 if len(values) == 1 else len(values), missing)
+    mean = float(np.mean(numbers))
+    if len(numbers) == 1:
+        return Figure(mean, mean, mean, len(values), missing)
+    error = float(np.std(numbers, ddof=1)) / np.sqrt(len(numbers))
+    half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(numbers) - 1)) * error
+    return Figure(mean, mean - half, mean + half, len(values), missing)
+
+
+def _met(test: TestSpec, found: Figure) -> bool | None:
+    """Whether the whole interval meets the limit; None where it lies across. A figure that does
+    not exist in most runs (a loop that never settles) meets none."""
+    if found.runs == 0 or 2 * found.missing >= max(found.runs, 1) or np.isnan(found.value):
+        return False
+    if test.near is not None:
+        low, high = test.near[0] - test.near[1], test.near[0] + test.near[1]
+        if low <= found.low and found.high <= high:
+            return True
+        return None if found.high >= low and found.low <= high else False
+    if test.below is not None:
+        return True if found.high < test.below else (False if found.low >= test.below else None)
+    assert test.above is not None
+    return True if found.low > test.above else (False if found.high <= test.above else None)

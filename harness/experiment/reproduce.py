@@ -1,0 +1,195 @@
+"""Running all experiments of a paper, judging its claims, and writing its page."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness.errors import ExperimentError, HarnessError, RecordingError, UsageError, nearest
+from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
+from harness.experiment.experiment import Experiment
+from harness.experiment.report import write_report
+from harness.experiment.study import run_study
+from harness.experiment.sweep import run_sweep, write_sweep
+from harness.results.result import Result
+
+CLAIMS_FILE = "claims.toml"
+BEGIN, END = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
+FAST_SEEDS, FAST_POINTS = 5, 9
+
+Report = Callable[[str, float], None]
+"""Called with the name of what is being run and the share of it that is done."""
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A folder of experiments with its claims."""
+
+    name: str
+    folder: Path
+    experiments: Mapping[str, Path]
+    claims: ClaimsSpec
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """A paper with its verdicts, and the pictures of each experiment."""
+
+    paper: Paper
+    verdicts: tuple[Verdict, ...]
+    pictures: Mapping[str, tuple[Path, ...]]
+    fast: bool
+
+
+def load_paper(name: str, experiments: Mapping[str, Path]) -> Paper:
+    """The paper `name` among `experiments` ("paper/figure" to path); raises `UsageError`."""
+    papers = {key.partition("/")[0] for key in experiments}
+    if name not in papers:
+        raise UsageError(f"no paper {name!r}; {nearest(name, papers)}")
+    own = {k.partition("/")[2]: p for k, p in experiments.items() if k.startswith(f"{name}/")}
+    folder = next(iter(own.values())).parent
+    if not (folder / CLAIMS_FILE).is_file():
+        raise ExperimentError(f"paper {name} has no {CLAIMS_FILE} in {folder}")
+    return Paper(name, folder, own, load_claims(folder / CLAIMS_FILE))
+
+
+def reproduce(
+    paper: Paper, output: Path, *, fast: bool = False, jobs: int = 0, report: Report | None = None
+) -> Reproduction:
+    """Run every experiment of `paper` and judge its claims; pictures and rows go to `output`.
+
+    `fast` takes few seeds and coarse grids: enough to see that all of it works, not to decide.
+    """
+    evidence: dict[str, Evidence] = {}
+    pictures: dict[str, tuple[Path, ...]] = {}
+    for name, path in paper.experiments.items():
+        experiment = _loaded(path, fast)
+        evidence[name], pictures[name] = _run(experiment, output / name, jobs, report)
+
+    def find(name: str) -> Evidence:
+        if name not in evidence:
+            raise UsageError(f"claims of {paper.name}: no experiment {name!r}; "
+                             f"{nearest(name, evidence)}")  # fmt: skip
+        return evidence[name]
+
+    verdicts = tuple(judge(claim, find) for claim in paper.claims.claims)
+    return Reproduction(paper, verdicts, pictures, fast)
+
+
+def _loaded(path: Path, fast: bool) -> Experiment:
+    experiment = Experiment.load(path)
+    settings: dict[str, Any] = {}
+    if fast and experiment.spec.study is not None:
+        settings["study"] = {"seeds": min(FAST_SEEDS, experiment.spec.study.seeds)}
+    if fast and experiment.spec.sweep is not None:
+        settings["sweep"] = {
+            axis: {"count": min(FAST_POINTS, getattr(experiment.spec.sweep, axis).count)}
+            for axis in ("x", "y")
+        }
+    return Experiment.load(path, settings) if settings else experiment
+
+
+def _run(
+    experiment: Experiment, folder: Path, jobs: int, report: Report | None
+) -> tuple[Evidence, tuple[Path, ...]]:
+    def progress(what: str) -> Callable[[float], None]:
+        return lambda share: None if report is None else report(f"{experiment.name}{what}", share)
+
+    results: dict[str, Result] = {}
+    for variant in experiment.variants:
+        try:
+            label = f": {experiment.label(variant)}"
+            results[variant] = experiment.run(variant, folder / variant, progress=progress(label))
+        except HarnessError as fault:
+            if fault.result is None:
+                raise
+            results[variant] = fault.result
+    written = write_report(experiment, results, folder)
+    study, regions = None, {}
+    if experiment.spec.study is not None:
+        study = run_study(experiment, jobs=jobs, progress=progress(": study"))
+        study.write(folder)
+    if experiment.spec.sweep is not None:
+        regions = run_sweep(experiment, jobs=jobs, progress=progress(": sweep"))
+        written += write_sweep(experiment, regions, folder)
+    metrics = {variant: dict(result.metrics) for variant, result in results.items()}
+    pictures = tuple(path for path in written if path.suffix == ".png")
+    return Evidence(metrics, study, regions), pictures
+
+
+def verdict_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
+    """Rows (page, claim, paper, ours, verdict, reason, command), the heading first."""
+    yield "page", "claim", "paper", "ours", "verdict", "reason", "command"
+    for v in reproduction.verdicts:
+        c = v.claim
+        ours = "–" if v.ours is None else f"{v.ours} {c.unit}".strip()
+        if v.given is not None and c.given is not None:
+            ours += f"; given {c.given.experiment}/{c.given.variant}: {v.given} {c.unit}".rstrip()
+        reason = c.untestable or c.reason
+        test = c.test
+        command = "" if test is None else f"`run {reproduction.paper.name}/{test.experiment}`"
+        yield c.page, c.claim, c.said, ours, v.verdict, reason, command
+
+
+def verdict_table(reproduction: Reproduction) -> str:
+    """The verdicts as a Markdown table."""
+    rows = [tuple(cell.replace("|", "\\|") for cell in r) for r in verdict_rows(reproduction)]
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join([lines[0], "|" + " --- |" * len(rows[0]), *lines[1:]])
+
+
+def update_readme(reproduction: Reproduction) -> Path:
+    """Put the table between the markers of the paper's README; raises `RecordingError`."""
+    path = reproduction.paper.folder / "README.md"
+    try:
+        text = path.read_text(encoding="utf-8")
+        before, begin, rest = text.partition(BEGIN)
+        _, end, after = rest.partition(END)
+        if not begin or not end:
+            raise RecordingError(f"{path} has no markers {BEGIN} and {END}")
+        path.write_text(f"{before}{BEGIN}\n{verdict_table(reproduction)}\n{END}{after}", "utf-8")
+    except OSError as fault:
+        raise RecordingError(f"{path} cannot be updated: {fault}") from fault
+    return path
+
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>
+body {{ font: 15px/1.45 system-ui, sans-serif; max-width: 1100px; margin: 2em auto; }}
+body {{ padding: 0 1em; }}
+table {{ border-collapse: collapse; font-size: 13px; }}
+td, th {{ border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertical-align: top; }}
+img {{ max-width: 100%; }} .note {{ color: #a33; }}
+</style></head><body><h1>{title}</h1>{note}<table>{rows}</table>{figures}</body></html>
+"""
+
+
+def write_page(reproduction: Reproduction, output: Path) -> Path:
+    """`index.html` in `output`: the verdicts and every picture, with relative links."""
+    rows = []
+    for i, row in enumerate(verdict_rows(reproduction)):
+        tag = "th" if i == 0 else "td"
+        rows.append("<tr>" + "".join(f"<{tag}>{html.escape(c)}</{tag}>" for c in row) + "</tr>")
+    figures = []
+    for name, pictures in reproduction.pictures.items():
+        figures.append(f"<h2>{html.escape(name)}</h2>")
+        for picture in pictures:
+            source = html.escape(picture.relative_to(output).as_posix())
+            figures.append(f'<p><img src="{source}" alt="{source}"></p>')
+    note = '<p class="note">Fast run: few seeds, coarse grids; it decides nothing.</p>'
+    path = output / "index.html"
+    page = _PAGE.format(
+        title=html.escape(reproduction.paper.claims.paper),
+        note=note if reproduction.fast else "",
+        rows="\n".join(rows),
+        figures="\n".join(figures),
+    )
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        path.write_text(page, encoding="utf-8")
+    except OSError as fault:
+        raise RecordingError(f"{path} cannot be written: {fault}") from fault
+    return path
