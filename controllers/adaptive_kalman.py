@@ -188,7 +188,7 @@ class TwoMassKalman:
     gains: tuple[float, ...] = ()
     window: int = 100
     distance: str = "state"
-    covariance: str = "riccati"
+    covariance: str = "consistent"
     scaled_noise: bool = False
 
     def __post_init__(self) -> None:

@@ -10,10 +10,14 @@ h_a is row a of H, so with H = (1, 0, 0, 0) the weight is the first diagonal ele
 paper has it; P is the predicted covariance. The distance "innovation" takes νᵀS⁻¹ν instead, whose
 mean is the number of measurements where the filter matches the plant, whatever Q and R are.
 
-The plugged-in score is ψ(γ) = g·γ. What becomes of the covariance is a choice: "riccati" leaves it
-to the gain K as (10) does, so that g acts outside of the recursion; "consistent" gives it the gain
-g·K (Joseph's form), so that P tells the errors of the filter that runs, and answers a smaller g by
-a larger K.
+The plugged-in score is ψ(γ) = g·γ. What becomes of the covariance is a choice:
+
+"consistent" gives it the gain that acts (Joseph's form), P = P⁻ − (2g − g²)·K·H·P⁻: the modified
+Riccati equation, which has a bounded solution, and a stable filter, for every 0 < g < 2 where the
+plant has no pole outside the unit circle. A smaller g is answered by a K of another shape.
+"riccati" leaves P to the gain K, as (10) does, so that g acts outside of the recursion. Of that
+gain only g ≥ 1/2 is sure to be stable (the gain margin of the Kalman filter), and the two-mass
+drive loses it between 0.3 and 0.5.
 
 The mean is kept by a ring of N readings, and summed anew each time, so that no rounding gathers.
 This module refuses to know the model.
@@ -33,7 +37,7 @@ from controllers.p_point import ALPHA_E, FACTOR, INNER, KIND, SCALED_SCORE
 
 STATE_DISTANCE, INNOVATION_DISTANCE = 0, 1
 DISTANCES = {"state": STATE_DISTANCE, "innovation": INNOVATION_DISTANCE}
-COVARIANCES = ("riccati", "consistent")
+COVARIANCES = ("consistent", "riccati")
 
 _FAR = 1e300  # the last membership function does not end
 
@@ -112,17 +116,17 @@ class GainAdaptation:
     """How g follows D̄²: at `distances[i]` it is `gains[i]`, straight between, constant outside.
 
     distances   ascending tops of the membership functions of D̄² (four in the paper)
-    gains       the weights that they carry, in (0, 2): within it the update stays stable
+    gains       the weights that they carry, in (0, 2)
     window      N readings
     distance    "state" (weight from P⁻¹) or "innovation" (S⁻¹)
-    covariance  "riccati" or "consistent"
+    covariance  "consistent" or "riccati"
     """
 
     distances: tuple[float, ...]
     gains: tuple[float, ...]
     window: int
     distance: str = "state"
-    covariance: str = "riccati"
+    covariance: str = "consistent"
 
     def __post_init__(self) -> None:
         """Raise `ControllerError` for values that cannot be meant."""

@@ -30,7 +30,7 @@ from controllers.bind import bind
 from controllers.block import Array, Block, Signal
 from controllers.errors import require, require_finite, require_positive
 from controllers.pid import limit
-from controllers.two_mass import two_mass_gains
+from controllers.two_mass import two_mass_gains, two_mass_gains_as_printed
 
 Gains = Callable[[Array, Array, Array], None]
 
@@ -186,6 +186,7 @@ class TwoMassController:
     motor_time_constant    T_1 [s];  shaft_time_constant  T_c [s]
     u_min, u_max           limits of the torque reference
     bumpless               keep the control where it is when T_2 changes
+    as_printed             take (7) and (8) with their misprints, which place no poles
 
     Inputs: reference, measured (ω_2), motor_speed, shaft_torque, load_speed, load_time_constant.
     """
@@ -197,6 +198,7 @@ class TwoMassController:
     u_min: float = -math.inf
     u_max: float = math.inf
     bumpless: bool = True
+    as_printed: bool = False
 
     def __post_init__(self) -> None:
         """Raise `ControllerError` for values that cannot be meant."""
@@ -221,7 +223,8 @@ class TwoMassController:
             Signal("load_speed", "1", "ω_2"),
         )
         scheduled = (Signal("load_time_constant", "s", "T_2 in force"),)
+        gains = two_mass_gains_as_printed if self.as_printed else two_mass_gains
         return state_feedback_block(
-            two_mass_gains, p, states, scheduled, sample_time=sample_time,
+            gains, p, states, scheduled, sample_time=sample_time,
             u_min=self.u_min, u_max=self.u_max, bumpless=self.bumpless,
         )  # fmt: skip

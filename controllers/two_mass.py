@@ -47,6 +47,17 @@ def two_mass_gains(p: Array, s: Array, k: Array) -> None:
     k[3] = k[1] * (square * T2 * Tc - 1.0)
 
 
+def two_mass_gains_as_printed(p: Array, s: Array, k: Array) -> None:
+    """(5)–(8) with the misprints of (7) and (8), to show what they do."""
+    T1 = p[G_T1]
+    Tc = p[G_TC]
+    T2 = s[0]
+    square = p[G_OMEGA] * p[G_OMEGA]
+    two_mass_gains(p, s, k)
+    k[2] = k[2] * T2 / Tc
+    k[3] = k[1] * (square * T1 * T2 - 1.0)
+
+
 def two_mass_matrices(T1: float, T2: float, Tc: float, A: Array, B: Array) -> None:
     """A (16,) and B (4,) of the state (ω_1, ω_2, m_s, m_L) and the input m_e."""
     for i in range(N * N):
