@@ -55,7 +55,7 @@ class RecordingError(HarnessError):
 
 def nearest(name: str, legal: Iterable[str], *, limit: int = 3) -> str:
     """The legal names nearest to `name` as a phrase for an error, or all of them when few."""
-    names = sorted(legal)
+    names = sorted(set(legal))
     close = difflib.get_close_matches(name, names, n=limit, cutoff=0.5)
     if close:
         return "did you mean " + " or ".join(repr(one) for one in close) + "?"

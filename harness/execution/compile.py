@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import dis
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -28,6 +27,7 @@ from harness.system.block import Block, StepFunction
 _POINTER = types.CPointer(types.float64)
 _SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
 _SCALARS = (bool, int, float, np.integer, np.floating)
+_MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
 
 
 class CompileError(HarnessError):
@@ -42,7 +42,7 @@ class CompiledStep:
     keep: Any
 
 
-def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by compile_step
+def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _compile
     arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
     step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
@@ -54,19 +54,24 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    return _compile(block.step, sizes)
-
-
-@lru_cache(maxsize=256)
-def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
+    function = _plain(block.step)
     digest = hashlib.sha256(repr(sizes).encode())
-    step = _rebuild(function, {}, digest)
+    _fingerprint(function, (), {}, digest)
+    name = f"step_{digest.hexdigest()[:24]}"
+    if name not in _compiled:
+        _compiled[name] = _compile(function, sizes, name)
+    return _compiled[name]
+
+
+_compiled: dict[str, CompiledStep] = {}
+
+
+def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
     scope = {
         **globals(),
-        "step": step,
+        "step": _rebuild(function, {}),
         **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
     }
-    name = f"step_{digest.hexdigest()[:24]}"
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
@@ -79,46 +84,93 @@ def _compile(function: StepFunction, sizes: tuple[int, ...]) -> CompiledStep:
     return CompiledStep(compiled.address, compiled)
 
 
-def _rebuild(function: Any, done: dict[int, Any], digest: Any) -> Any:
-    """`function` as a numba function whose helpers are numba functions too."""
-    if hasattr(function, "py_func"):
-        function = function.py_func
-    if id(function) in done:
-        return done[id(function)]
+def _plain(function: Any) -> FunctionType:
+    """The Python function itself, also of one that numba has decorated."""
+    function = getattr(function, "py_func", function)
     if not isinstance(function, FunctionType):
         raise CompileError(f"{function!r} is no plain Python function, so it cannot be compiled")
+    return function
+
+
+def _is_function(value: Any) -> bool:
+    return isinstance(value, FunctionType) or hasattr(value, "py_func")
+
+
+def _named(function: FunctionType) -> dict[str, Any]:
+    """The global values that a function names, in itself or in functions inside it."""
+
+    def names(code: CodeType) -> Iterator[str]:
+        yield from code.co_names
+        for constant in code.co_consts:
+            if isinstance(constant, CodeType):
+                yield from names(constant)
+
+    known = function.__globals__
+    return {name: known[name] for name in names(function.__code__) if name in known}
+
+
+def _fingerprint(
+    function: FunctionType, callers: tuple[FunctionType, ...], seen: dict[int, int], digest: Any
+) -> None:
+    """Feed all that the machine code of `function` depends on; refuse what cannot be compiled."""
+    if function in callers:
+        raise CompileError(
+            f"step function {_label(function)} calls itself, which compiled blocks may not; write "
+            "a loop"
+        )
+    known = id(function) in seen
+    digest.update(f"function {seen.setdefault(id(function), len(seen))};".encode())
+    if known:
+        return
+    _refuse(function)
+    _feed(digest, function.__code__)
+    digest.update(repr((function.__defaults__, function.__kwdefaults__)).encode())
+    for name, value in _named(function).items():
+        digest.update(f"{name}={_identity(function, name, value)};".encode())
+        if _is_function(value):
+            _fingerprint(_plain(value), (*callers, function), seen, digest)
+
+
+def _identity(function: FunctionType, name: str, value: Any) -> str:
+    """What stands for a global value in the fingerprint; raises where it may not be used."""
+    if isinstance(value, (*_SCALARS, tuple)):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if _is_function(value):
+        return "function"
+    if isinstance(value, ModuleType) and value.__name__ in _MODULES:
+        return value.__name__
+    if isinstance(value, (type, BuiltinFunctionType, np.ufunc)):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}"
+    kind = f"module {value.__name__}" if isinstance(value, ModuleType) else type(value).__name__
+    raise CompileError(
+        f"step function {_label(function)} uses {name}, a {kind}; it may use functions and numbers "
+        "by name, and the modules math and numpy"
+    )
+
+
+def _rebuild(function: FunctionType, done: dict[int, Any]) -> Any:
+    """`function` as a numba function whose helpers are numba functions too."""
+    if id(function) not in done:
+        helpers = {
+            name: _rebuild(_plain(value), done)
+            for name, value in _named(function).items()
+            if _is_function(value)
+        }
+        scope = {**function.__globals__, **helpers}
+        plain = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+        plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
+        done[id(function)] = njit(plain, error_model="numpy")
+    return done[id(function)]
+
+
+def _refuse(function: FunctionType) -> None:
     if function.__closure__:
         raise CompileError(
             f"step function {_label(function)} uses variables of an enclosing function; pass them "
             "through the block's parameters"
         )
-    _refuse_raise(function)
-    _feed(digest, function.__code__)
-    scope = dict(function.__globals__)
-    for name in function.__code__.co_names:
-        if name not in scope:
-            continue
-        value = scope[name]
-        if isinstance(value, FunctionType) or hasattr(value, "py_func"):
-            scope[name] = _rebuild(value, done, digest)
-        elif isinstance(value, (*_SCALARS, tuple)):
-            digest.update(f"{name}={value!r};".encode())
-        elif isinstance(value, np.ndarray):
-            digest.update(name.encode() + value.tobytes())
-        elif not isinstance(value, (ModuleType, type, BuiltinFunctionType, np.ufunc)):
-            raise CompileError(
-                f"step function {_label(function)} uses {name}, a {type(value).__name__}; it may "
-                "use functions, numbers and the math module"
-            )
-    plain = FunctionType(
-        function.__code__, scope, function.__name__, function.__defaults__, function.__closure__
-    )
-    plain.__module__ = function.__module__
-    done[id(function)] = njit(plain, error_model="numpy")
-    return done[id(function)]
-
-
-def _refuse_raise(function: Callable[..., Any]) -> None:
     for instruction in dis.get_instructions(function):
         if instruction.opname == "RAISE_VARARGS":
             line = function.__code__.co_firstlineno

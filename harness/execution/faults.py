@@ -13,7 +13,7 @@ from harness.execution.actions import Action, Compute, Linearise, Read, Step, Wr
 from harness.execution.exchange import encode
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
-from harness.fmi.instance import FATAL, FmuInstance
+from harness.fmi.instance import DISCARD, FATAL, FmuInstance
 from harness.fmi.logger import STATUS_NAMES
 from harness.system.lowering import rate_of
 
@@ -33,11 +33,6 @@ def explain(
     action = program.owners[int(program.clock[OPERATION])]
     when = f"at t = {to_seconds(now):.9g} s"
     name = getattr(action, "component", "?")
-    if outcome == op.TERMINATED:
-        return EndRequestedError(
-            f"component {name}: the FMU asked for the end of the run in the step {when}: "
-            f"{instances[name].log.reasons()}"
-        )
     if outcome == op.EARLY:
         return SimulationError(
             f"component {name}: {_call_name(action)} {when} returned before the end of the step, "
@@ -56,6 +51,13 @@ def explain(
     instance = instances[_fmu_of(program, action)]
     if status == FATAL:
         instance.mark_dead()
+    if status == DISCARD and isinstance(action, Step) and instance.asks_for_the_end():
+        outcome = op.TERMINATED
+    if outcome == op.TERMINATED:
+        return EndRequestedError(
+            f"component {name}: the FMU asked for the end of the run in the step {when}: "
+            f"{instance.log.reasons()}"
+        )
     label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
     return SimulationError(
         f"component {instance.name}: {_call_name(action)} {when} returned {label}: "

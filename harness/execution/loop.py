@@ -54,6 +54,7 @@ def run_cycles(
             clock[INSTANT] = now
             for o in range(instants[instant, 1], instants[instant, 2]):
                 clock[OPERATION] = o
+                # one by one: a view of the row would cost atomic reference counting
                 code, a, b, c = program[o, 0], program[o, 1], program[o, 2], program[o, 3]
                 d, e, f = program[o, 4], program[o, 5], program[o, 6]
                 status = 0

@@ -102,9 +102,9 @@ class _Planner:
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
+        self._check_size()
         self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
         self.due = {name: frozenset(grid) for name, grid in self.grid.items()}
-        self._check_size()
         self._check_stop()
         self.blocks = self._order_blocks()
         self.stages = self._reading_stages()
@@ -140,6 +140,15 @@ class _Planner:
                 )
 
     def _check_rates(self) -> None:
+        for c in self.lowered.sampled:
+            if isinstance(c, SensitivityComponent):
+                step_ns = self.fmus[c.component].step_ns
+                if c.period_ns % step_ns or c.phase_ns % step_ns:
+                    raise TimingError(
+                        f"sensitivity {c.name} runs every {show(c.period_ns)} (first at "
+                        f"{show(c.phase_ns)}) but {c.component} steps by {show(step_ns)}: both "
+                        "must be whole multiples of it"
+                    )
         for wire in self.lowered.wires:
             source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
             fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)

@@ -8,15 +8,23 @@ refused, and so are archives that unpack to more than `MAX_BYTES` or `MAX_MEMBER
 from __future__ import annotations
 
 import hashlib
+import lzma
 import shutil
 import stat
 import tempfile
 import weakref
 import zipfile
+import zlib
 from pathlib import Path, PurePosixPath
 from typing import Self
 
 from harness.errors import FmuError
+
+_BROKEN = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, NotImplementedError, RuntimeError, EOFError,
+    OSError, UnicodeDecodeError,
+)  # fmt: skip
+"""What zipfile raises on archives that are cut, garbled, encrypted or otherwise not to be read."""
 
 MAX_BYTES = 4 * 2**30
 MAX_MEMBERS = 100_000
@@ -45,7 +53,7 @@ class Archive:
                 members = archive.infolist()
                 _check_members(self.path, members)
                 archive.extractall(self.folder)
-        except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as fault:
+        except _BROKEN as fault:
             raise FmuError(f"FMU {self.path} cannot be unpacked: {fault}") from fault
         if not (self.folder / "modelDescription.xml").is_file():
             raise FmuError(f"FMU {self.path} has no modelDescription.xml at its root")

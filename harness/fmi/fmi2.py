@@ -13,6 +13,7 @@ from harness.fmi.logger import variadic_logger
 from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, Variable
 
 _CO_SIMULATION = 1
+_TERMINATED = 3  # of fmi2StatusKind
 
 
 class _Callbacks(ctypes.Structure):
@@ -78,6 +79,17 @@ class Fmi2Instance(FmuInstance):
         """fmi2DoStep without a state to return to."""
         arguments = (ctypes.c_double(time), ctypes.c_double(step), ctypes.c_int(1))
         self.call("DoStep", *arguments, what=f" at t = {time:.9g} s")
+
+    def asks_for_the_end(self) -> bool:
+        """fmi2GetBooleanStatus(fmi2Terminated), after a step that was discarded."""
+        if self._library.find("fmi2GetBooleanStatus") is None:
+            return False
+        value = ctypes.pointer(ctypes.c_int())
+        try:
+            self.call("GetBooleanStatus", ctypes.c_int(_TERMINATED), value)
+        except FmuError:  # it does not know, so the step was discarded for another reason
+            return False
+        return value.contents.value != 0
 
     def accessor(self, variable: Variable) -> tuple[str, Any]:
         """Real, Integer (also enumerations), Boolean or String."""

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import FmuError
-from harness.fmi.library import Library, library_path
+from harness.fmi.library import library_path, load
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
 from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
 
+DISCARD = 2
 FATAL = 4
 Value = float | int | bool | str
 
@@ -50,11 +51,11 @@ class FmuInstance(ABC):
         self.name = name
         self.log = MessageLog(echo)
         self._environment = register(self.log)
-        self._library = Library(
+        self._library = load(
             library_path(folder, description.co_simulation.model_identifier, description.fmi_major)
         )
         self._functions: dict[str, Any] = {}
-        self._dead = False
+        self._refuse_when_dead()
         self.handle = self._instantiate(folder, logging)
         if not self.handle:
             raise FmuError(
@@ -73,8 +74,7 @@ class FmuInstance(ABC):
 
     def call(self, name: str, *arguments: Any, what: str = "") -> None:
         """Call the C function `name` of this instance; raise unless it succeeds."""
-        if self._dead:
-            raise FmuError(f"component {self.name} reported Fatal before and cannot be called")
+        self._refuse_when_dead()
         function = self._functions.get(name)
         if function is None:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
@@ -85,7 +85,8 @@ class FmuInstance(ABC):
         """Raise `FmuError` when `status` of function `name` is Discard, Error or Fatal."""
         if status in (0, 1):
             return
-        self._dead = self._dead or status == FATAL
+        if status == FATAL:
+            self.mark_dead()
         label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
         raise FmuError(
             f"component {self.name}: {self.prefix}{name}{what} returned {label}: "
@@ -93,8 +94,14 @@ class FmuInstance(ABC):
         )
 
     def mark_dead(self) -> None:
-        """Nothing of this instance is called any more, because it reported Fatal."""
-        self._dead = True
+        """Nothing of this FMU is called any more: Fatal corrupts all instances of a library."""
+        self._library.corrupted = True
+
+    def _refuse_when_dead(self) -> None:
+        if self._library.corrupted:
+            raise FmuError(
+                f"component {self.name}: its FMU reported Fatal before and cannot be called"
+            )
 
     # life cycle
 
@@ -118,7 +125,7 @@ class FmuInstance(ABC):
 
     def free(self) -> None:
         """Free the instance; harmless when it is gone already."""
-        if self.handle and not self._dead:
+        if self.handle and not self._library.corrupted:
             function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address("FreeInstance"))
             function(self.handle)
         self.handle = None
@@ -133,6 +140,10 @@ class FmuInstance(ABC):
     @abstractmethod
     def do_step(self, time: float, step: float) -> None:
         """Step from `time` by `step` (s)."""
+
+    def asks_for_the_end(self) -> bool:
+        """Whether a discarded step means that the FMU wishes the simulation to end."""
+        return False
 
     # values
 
@@ -168,8 +179,7 @@ class FmuInstance(ABC):
             *(ctypes.c_size_t for _ in sizes),
         ]
         native = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)(self.address(function))
-        if self._dead:
-            raise FmuError(f"component {self.name} reported Fatal before and cannot be called")
+        self._refuse_when_dead()
         self.check(native(self.handle, *arguments), function, f" of variable {variable.name!r}")
 
     # state

@@ -6,6 +6,7 @@ import ctypes
 import platform
 import sys
 from pathlib import Path
+from weakref import WeakValueDictionary
 
 from harness.errors import FmuError
 
@@ -39,12 +40,27 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     )
 
 
+_loaded: WeakValueDictionary[Path, Library] = WeakValueDictionary()
+
+
+def load(path: Path) -> Library:
+    """The library at `path`, the same object for all its instances; raises `FmuError`."""
+    library = _loaded.get(path)
+    if library is None:
+        library = _loaded[path] = Library(path)
+    return library
+
+
 class Library:
-    """A loaded shared library; `address` gives function addresses."""
+    """A loaded shared library; `address` gives function addresses.
+
+    `corrupted` is set when an instance reports Fatal: nothing in it may be called any more.
+    """
 
     def __init__(self, path: Path) -> None:
         """Load `path`; raises `FmuError` with the loader's reason."""
         self.path = path
+        self.corrupted = False
         try:
             self._library = ctypes.CDLL(str(path))
         except OSError as fault:

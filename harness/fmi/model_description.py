@@ -116,7 +116,11 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
     Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
     """
     document = folder / "modelDescription.xml"
-    if b"<!DOCTYPE" in document.read_bytes():
+    try:
+        tree = _parse(document)
+    except etree.XMLSyntaxError as fault:
+        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
+    if tree.docinfo.doctype:
         raise FmuError(f"modelDescription.xml of {source} has a DOCTYPE, which FMUs may not have")
     try:
         description = fmpy.read_model_description(str(folder), validate=True)
@@ -128,17 +132,23 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
         ) from fault
     except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
         raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    return _adapt(description, _directional(document))
+    return _adapt(description, _directional(tree.getroot()))
 
 
-def _directional(document: Path) -> frozenset[str]:
+def _parse(document: Path) -> Any:
+    """The document tree, parsed without expanding or loading anything."""
+    parser = etree.XMLParser(
+        resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
+    )
+    return etree.parse(str(document), parser)
+
+
+def _directional(root: Any) -> frozenset[str]:
     """Interfaces with directional derivatives; FMPy 0.3.32 does not read FMI 3's spelling of it."""
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=False)
-    root = etree.parse(str(document), parser).getroot()
     names = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
     return frozenset(
         str(element.tag)
-        for element in root
+        for element in root.iterchildren("*")  # comments are no interfaces
         if any(element.get(name, "").strip() in ("true", "1") for name in names)
     )
 

@@ -68,6 +68,8 @@ def parse_unit(name: str, defined: Mapping[str, Unit] | None = None) -> Unit:
         return defined[name]
     if name in KNOWN:
         return KNOWN[name]
+    if re.search(r"\([^)]*/", name):  # a quotient in a denominator: FMI does not say what it means
+        return Unit(name)
     factor, total = 1.0, _NONE
     for position, quotient in enumerate(name.replace("(", "").replace(")", "").split("/")):
         for term in re.split(r"[.*·]", quotient):

@@ -130,7 +130,7 @@ class MockInstance:
         self.log = MessageLog(echo)
         self.calls: list[str] = []
         self.statuses, self.hook, self.flags = fmu.statuses, fmu.hook, fmu.flags
-        self.dead = False
+        self.dead, self.ended = False, False
         self._names = {v.value_reference: v.name for v in self.description.variables.values()}
         self._functions: dict[str, Any] = {}
 
@@ -179,6 +179,9 @@ class MockInstance:
         if status:
             self.log.messages.append(LogMessage(status, "test", f"{name} said {status}"))
         return status
+
+    def asks_for_the_end(self) -> bool:
+        return self.ended
 
     def mark_dead(self) -> None:
         self.dead = True

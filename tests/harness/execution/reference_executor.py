@@ -75,7 +75,7 @@ class Executor:
         if code == op.STEP_FMI2:
             return self.status(call(*head))
         status = call(*head, o[3], o[3] + 1, o[3] + 2, o[4])
-        event, terminate, early = (int(flag) for flag in self.exchange[o[5] : o[5] + 3])
+        _, terminate, early = (int(flag) for flag in self.exchange[o[5] : o[5] + 3])
         if status > 1:
             return self.status(status)
         if early:

@@ -276,10 +276,10 @@ class Simulation:
         for c in self.system.fmus:
             if self.stands(c.name, now):
                 for wire in self.system.connections if sequential else ():
-                    if wire.target.component == c.name and not wire.delay_ns:
-                        if wire.source.component in earlier:
-                            factor, offset = self.conversions[wire]
-                            self.apply(wire.target, factor * self.reached[wire.source] + offset)
+                    ends = wire.target.component == c.name and wire.source.component in earlier
+                    if ends and not wire.delay_ns:
+                        factor, offset = self.conversions[wire]
+                        self.apply(wire.target, factor * self.reached[wire.source] + offset)
                 following = next((t for t in later if self.stands(c.name, t)), None)
                 if following is not None:
                     self.models[c.name].step(now / 10**9, (following - now) / 10**9)

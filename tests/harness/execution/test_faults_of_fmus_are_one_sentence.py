@@ -110,6 +110,19 @@ def test_events_that_nobody_asked_for_are_the_fmus_own() -> None:
     assert outcome.fault is None
 
 
+def test_a_discarded_step_may_be_the_wish_to_end_of_fmi_2() -> None:
+    done = plant(2)
+
+    def hook(instance: MockInstance, called: str) -> None:
+        instance.ended = len(instance.model.steps) == 6
+        instance.statuses["DoStep"] = 2 if instance.ended else 0
+
+    done.hook = hook
+    _, outcome = run_to_end(loop(), {"plant": done, "other": plant(2)})  # type: ignore[arg-type]
+    assert "asked for the end of the run in the step at t = 0.05 s" in str(outcome.fault)
+    assert done.instances[0].calls[-2:] == ["Terminate", "Free"]
+
+
 def test_the_wish_to_end_ends_the_run_as_incomplete_and_terminates() -> None:
     done = plant(3)
     done.flags = lambda time: (0, int(time == 0.05), 0)
