@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from harness.fmi.logger import LogMessage
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
+from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
@@ -157,8 +159,10 @@ class Bench:
     ) -> None:
         """A signal by its kind ("step", "sine", "white_noise", …) with parameters, or as a source.
         Its output is `name.value`, sampled every `step`."""
-        made = make_signal(source, parameters) if isinstance(source, str) else source
-        self._add(SignalComponent(name, made, self._period(step, f"step of {name}")))
+        if isinstance(source, str):
+            with _named(f"component {name}"):
+                source = make_signal(source, parameters)
+        self._add(SignalComponent(name, source, self._period(step, f"step of {name}")))
 
     def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
@@ -187,8 +191,9 @@ class Bench:
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
         those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds.
         """
-        put = [_imperfection(one) for one in imperfections]
-        put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
+        with _named(f"connection {source} -> {target}"):
+            put = [_imperfection(one) for one in imperfections]
+            put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
         label = f"delay of {source} -> {target}"
         self._connections.append(
             Connection(
@@ -220,15 +225,17 @@ class Bench:
         progress: Progress | None = None,
         echo: Echo | None = None,
         experiment: Mapping[str, Any] | None = None,
+        needed: Iterable[str] = (),
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
         A run that ends early raises its fault, whose attribute `result` holds the rows so far.
-        `echo(component, message)` sees the messages of FMUs; `experiment` goes to the manifest.
+        `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
+        manifest; signals that are `needed` afterwards are looked for before the run begins.
         """
         return run_system(
             self.system(), folder, record=self.record, progress=progress, echo=echo,
-            experiment=experiment,
+            experiment=experiment, needed=needed,
         )  # fmt: skip
 
     def _add(self, component: Component) -> None:
@@ -260,18 +267,19 @@ def run_system(
     progress: Progress | None = None,
     echo: Echo | None = None,
     experiment: Mapping[str, Any] | None = None,
+    needed: Iterable[str] = (),
 ) -> Result:
     """Check, plan and run a system; see `Bench.run`."""
     with opened(system) as fmus:
         plan = plan_system(system, fmus, tuple(record))
+        columns = columns_of(plan, fmus)
+        _check_needed(needed, columns)
         manifest = Manifest(
             fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
             seeds={"seed": system.seed},
             experiment=dict(experiment or {}),
         )
-        recording = Recording(
-            columns_of(plan, fmus), None if folder is None else Path(folder), manifest
-        )
+        recording = Recording(columns, None if folder is None else Path(folder), manifest)
         with recording:
             outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
             result = recording.finish("" if outcome.fault is None else str(outcome.fault))
@@ -279,6 +287,24 @@ def run_system(
         outcome.fault.result = result
         raise outcome.fault
     return result
+
+
+@contextmanager
+def _named(place: str) -> Iterator[None]:
+    """Faults in the parameters of what stands at `place` say so."""
+    try:
+        yield
+    except ExperimentError as fault:
+        raise ExperimentError(f"{place}: {fault}") from fault
+
+
+def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
+    names = [column.name for column in columns]
+    for name in needed:
+        if name not in names:
+            raise UsageError(
+                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
+            )
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:

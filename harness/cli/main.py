@@ -12,7 +12,7 @@ import typer
 
 from harness.cli import build, info, listing, reproduce, run, timing
 from harness.cli.terminal import console
-from harness.errors import ExperimentError, HarnessError, UsageError
+from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
 app = typer.Typer(
     name="fmu-harness",
@@ -42,7 +42,7 @@ def run_command_line(arguments: list[str] | None = None) -> int:
         app(args=arguments)
     except SystemExit as done:  # how typer ends, also after a usage error of its own
         return done.code if isinstance(done.code, int) else int(done.code is not None)
-    except (UsageError, ExperimentError) as fault:
+    except (UsageError, ExperimentError, GraphError, TimingError) as fault:
         out.print(f"error: {fault}", markup=False, soft_wrap=True)
         return 2
     except HarnessError as fault:

@@ -4,6 +4,9 @@ With the input held over a sample h, the linearised FMU  dx/dt = A x + B u,  y =
 
     dy(t + h) / du = C Γ + D,   Γ = ∫₀ʰ exp(A τ) dτ B.
 
+It is exact where that Jacobian holds for the whole sample: at rest and in slow motion, but not in
+the middle of a large step, where the plant leaves the state at which it was linearised.
+
 A, B, C and D are the FMU's own directional derivatives at the present state, taken by address in
 the loop, one column a call; Γ is the last column of exp([A B; 0 0] h), computed by scaling and
 squaring of its Taylor series. States are scaled by their nominal values first, so that hydraulic

@@ -15,7 +15,7 @@ from harness.bench import Bench, Echo
 from harness.errors import ExperimentError, HarnessError, nearest
 from harness.execution.run import Progress
 from harness.experiment.faults import describe
-from harness.experiment.measures import custom, tracking
+from harness.experiment.measures import custom, needed_signals, tracking
 from harness.experiment.schema import (
     KINDS,
     ControllerSpec,
@@ -156,7 +156,10 @@ class Experiment:
         bench = self.bench(variant, seed=seed)
         resolved = spec.model_dump(mode="json", by_alias=True) | {"variant": variant}
         try:
-            result = bench.run(folder, progress=progress, echo=echo, experiment=resolved)
+            result = bench.run(
+                folder, progress=progress, echo=echo, experiment=resolved,
+                needed=needed_signals(spec),
+            )  # fmt: skip
         except HarnessError as fault:
             if fault.result is not None:
                 fault.result = self.measured(fault.result, spec)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 
 import numpy as np
 
 from harness.errors import UsageError
-from harness.experiment.schema import MeasureSpec, MetricSpec
+from harness.experiment.schema import ExperimentSpec, MeasureSpec, MetricSpec
 from harness.results.result import Array, Result
 from harness.results.step_response import segment_metrics, segments, tracking_metrics
 
@@ -16,6 +16,17 @@ MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
 """What is also reported of the response as the controller sees it."""
 
 Metrics = dict[str, float | None]
+
+
+def needed_signals(spec: ExperimentSpec) -> Iterator[str]:
+    """The signals that `measure` and `metrics` are computed of."""
+    if spec.measure is not None:
+        m = spec.measure
+        yield from (name for name in (m.reference, m.response, m.control, m.measured) if name)
+    for metric in spec.metrics.values():
+        others = (metric.minus, metric.relative_to)
+        yield metric.signal
+        yield from (name for name in others if isinstance(name, str))
 
 
 def tracking(result: Result, m: MeasureSpec) -> Metrics:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,14 @@ from harness.errors import ExperimentError, HarnessError, RecordingError, UsageE
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
 from harness.experiment.report import write_report
-from harness.experiment.study import run_study
+from harness.experiment.study import median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
 
 CLAIMS_FILE = "claims.toml"
-BEGIN, END = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
+VERDICTS, STUDIES = "verdicts", "studies"
+"""Names of the parts of a paper's README that are filled from runs, between markers."""
+
 FAST_SEEDS, FAST_POINTS = 5, 9
 
 Report = Callable[[str, float], None]
@@ -36,10 +38,11 @@ class Paper:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """A paper with its verdicts, and the pictures of each experiment."""
+    """A paper with its verdicts, and the evidence and pictures of each experiment."""
 
     paper: Paper
     verdicts: tuple[Verdict, ...]
+    evidence: Mapping[str, Evidence]
     pictures: Mapping[str, tuple[Path, ...]]
     fast: bool
 
@@ -76,7 +79,7 @@ def reproduce(
         return evidence[name]
 
     verdicts = tuple(judge(claim, find) for claim in paper.claims.claims)
-    return Reproduction(paper, verdicts, pictures, fast)
+    return Reproduction(paper, verdicts, evidence, pictures, fast)
 
 
 def _loaded(path: Path, fast: bool) -> Experiment:
@@ -134,26 +137,54 @@ def verdict_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
         yield c.page, c.claim, c.said, ours, v.verdict, reason, command
 
 
-def verdict_table(reproduction: Reproduction) -> str:
-    """The verdicts as a Markdown table."""
-    rows = [tuple(cell.replace("|", "\\|") for cell in r) for r in verdict_rows(reproduction)]
-    lines = [f"| {' | '.join(row)} |" for row in rows]
-    return "\n".join([lines[0], "|" + " --- |" * len(rows[0]), *lines[1:]])
+def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
+    """Rows (experiment, variant, seeds, medians, loops lost), the heading first; the metrics are
+    those that the studies name."""
+    studies = {n: e.study for n, e in reproduction.evidence.items() if e.study is not None}
+    specs = [s.experiment.spec.study for s in studies.values()]
+    metrics = list(dict.fromkeys(m for spec in specs if spec is not None for m in spec.metrics))
+    heads = (f"median {m.replace('_', ' ')}" for m in metrics)
+    yield "experiment", "variant", "seeds", *heads, "loop lost [95 %]"
+    for name, study in studies.items():
+        for variant in study.runs:
+            lost = study.lost(variant)
+            yield (
+                name,
+                study.experiment.label(variant),
+                str(len(study.seeds)),
+                *(median(study.values(variant, metric)) for metric in metrics),
+                f"{100 * lost.share:.0f} % [{100 * lost.low:.0f}, {100 * lost.high:.0f}]",
+            )
+
+
+def markdown(rows: Iterable[tuple[str, ...]]) -> str:
+    """Rows, the heading first, as a Markdown table."""
+    heading, *others = (tuple(cell.replace("|", "\\|") for cell in row) for row in rows)
+    rule = ("---",) * len(heading)
+    return "\n".join(f"| {' | '.join(row)} |" for row in (heading, rule, *others))
 
 
 def update_readme(reproduction: Reproduction) -> Path:
-    """Put the table between the markers of the paper's README; raises `RecordingError`."""
+    """Put the tables between the markers of the paper's README; raises `RecordingError`."""
     path = reproduction.paper.folder / "README.md"
     try:
         text = path.read_text(encoding="utf-8")
-        before, begin, rest = text.partition(BEGIN)
-        _, end, after = rest.partition(END)
-        if not begin or not end:
-            raise RecordingError(f"{path} has no markers {BEGIN} and {END}")
-        path.write_text(f"{before}{BEGIN}\n{verdict_table(reproduction)}\n{END}{after}", "utf-8")
+        text = _filled(path, text, VERDICTS, markdown(verdict_rows(reproduction)))
+        if any(e.study is not None for e in reproduction.evidence.values()):
+            text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
+        path.write_text(text, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be updated: {fault}") from fault
     return path
+
+
+def _filled(path: Path, text: str, part: str, table: str) -> str:
+    begin, end = f"<!-- {part}: begin -->", f"<!-- {part}: end -->"
+    before, found, rest = text.partition(begin)
+    _, ended, after = rest.partition(end)
+    if not found or not ended:
+        raise RecordingError(f"{path} has no markers {begin} and {end}")
+    return f"{before}{begin}\n{table}\n{end}{after}"
 
 
 _PAGE = """<!DOCTYPE html>
@@ -163,16 +194,21 @@ body {{ padding: 0 1em; }}
 table {{ border-collapse: collapse; font-size: 13px; }}
 td, th {{ border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertical-align: top; }}
 img {{ max-width: 100%; }} .note {{ color: #a33; }}
-</style></head><body><h1>{title}</h1>{note}<table>{rows}</table>{figures}</body></html>
+</style></head><body><h1>{title}</h1>{note}{tables}{figures}</body></html>
 """
 
 
-def write_page(reproduction: Reproduction, output: Path) -> Path:
-    """`index.html` in `output`: the verdicts and every picture, with relative links."""
-    rows = []
-    for i, row in enumerate(verdict_rows(reproduction)):
+def _table(rows: Iterable[tuple[str, ...]]) -> str:
+    lines = []
+    for i, row in enumerate(rows):
         tag = "th" if i == 0 else "td"
-        rows.append("<tr>" + "".join(f"<{tag}>{html.escape(c)}</{tag}>" for c in row) + "</tr>")
+        lines.append("<tr>" + "".join(f"<{tag}>{html.escape(c)}</{tag}>" for c in row) + "</tr>")
+    return "<p><table>" + "\n".join(lines) + "</table></p>"
+
+
+def write_page(reproduction: Reproduction, output: Path) -> Path:
+    """`index.html` in `output`: verdicts, studies and every picture, with relative links."""
+    tables = _table(verdict_rows(reproduction)) + _table(study_rows(reproduction))
     figures = []
     for name, pictures in reproduction.pictures.items():
         figures.append(f"<h2>{html.escape(name)}</h2>")
@@ -184,7 +220,7 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
     page = _PAGE.format(
         title=html.escape(reproduction.paper.claims.paper),
         note=note if reproduction.fast else "",
-        rows="\n".join(rows),
+        tables=tables,
         figures="\n".join(figures),
     )
     try:

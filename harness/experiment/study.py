@@ -130,7 +130,7 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
         lost = study.lost(variant)
         means.add_row(
             experiment.label(variant),
-            *(_median(study.values(variant, metric)) for metric in spec.metrics),
+            *(median(study.values(variant, metric)) for metric in spec.metrics),
             f"{lost.share:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
         )
         if variant != spec.baseline:
@@ -139,7 +139,8 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
     return [means, differences]
 
 
-def _median(values: list[float | None]) -> str:
+def median(values: list[float | None]) -> str:
+    """The median of what exists, and how many do not."""
     numbers = [value for value in values if value is not None and np.isfinite(value)]
     missing = f" ({len(values) - len(numbers)} without)" if len(numbers) < len(values) else ""
     return (f"{np.median(numbers):.4g}" if numbers else "–") + missing

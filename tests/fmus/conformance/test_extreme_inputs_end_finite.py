@@ -1,4 +1,4 @@
-"""Whatever the inputs do, at their nominals and far beyond, steps succeed and values are finite.
+"""Whatever the inputs do, at their nominals and ten times that, steps succeed and values are finite.
 
 Each input is held at plus or minus a multiple of its nominal, a second for every combination of
 signs, with jumps in between.
@@ -10,7 +10,7 @@ import pytest
 from fmus.plant import Plant
 from harness.bench import Bench
 
-MULTIPLES = (1.0, 10.0, 100.0)
+MULTIPLES = (1.0, 10.0)
 
 
 @pytest.mark.parametrize("multiple", MULTIPLES)

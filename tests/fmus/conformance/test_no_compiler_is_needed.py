@@ -9,7 +9,7 @@ import pytest
 
 from fmus.packaging import PortableFallback
 from fmus.plant import Plant
-from tests.fmus.conformance.processes import ROOT, run_python
+from tests.fmus.conformance.processes import python_path, run_python
 
 SHARE = 1e-6
 COMMAND = "from harness.cli.main import main; main()"
@@ -26,7 +26,7 @@ def without_compiler(tmp_path: Path) -> dict[str, str | None]:
         "PATH": str(tmp_path / "bin"),
         "CC": None,
         "FMU_HARNESS_CACHE": str(tmp_path / "cache"),
-        "PYTHONPATH": f"{tmp_path / 'hidden'}:{ROOT}",
+        "PYTHONPATH": python_path(tmp_path / "hidden"),
     }
 
 

@@ -4,27 +4,46 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from numba import cfunc
 
 from harness.clock import to_nanoseconds, to_seconds
-from tests.harness.execution.mock import Input, MockFmu, Model, Output
+from tests.harness.execution.mock import Input, MockFmu, MockInstance, Output
 from tests.harness.execution.rows import run
-from tests.harness.execution.small_systems import MS, fmu, system
+from tests.harness.execution.small_systems import MS, controller, fmu, system
 
 
-class Counter(Model):
-    """Keeps the last step only."""
+@cfunc("int32(CPointer(float64), float64, float64, int32)")
+def count(memory, time, step, keep):  # type: ignore[no-untyped-def]
+    """fmi2DoStep of an instance that is three numbers: steps so far, the last time and step."""
+    memory[0] += 1.0
+    memory[1] = time
+    memory[2] = step
+    return 0
 
-    def step(self, time: float, step: float) -> None:
-        self.state += 1.0
-        self.steps = [(time, step)]
+
+class Counter(MockInstance):
+    """Counts its steps in compiled code, for a million of them."""
+
+    def __init__(self, fmu: MockFmu, name: str) -> None:
+        super().__init__(fmu, name)
+        self.memory = np.zeros(3)
+        self.handle = self.memory.ctypes.data
+
+    def address(self, name: str) -> int:
+        return int(count.address) if name == "DoStep" else super().address(name)
 
 
-def test_a_million_steps_of_a_tenth_of_a_second_end_exactly() -> None:
-    plant = MockFmu(outputs=(Output("y"),), state=0.0, kind=Counter)
-    rows = run(system(fmu(step_ns=100 * MS), stop_ns=10**14, record_ns=10**13), {"plant": plant})
-    assert rows.times[-1] == 10**14
-    assert rows["plant.y"][-1] == 1_000_000
-    assert plant.instances[0].model.steps == [(99_999.9, 0.1)], "not 99 999.900 000 1"
+def test_a_million_steps_of_a_tenth_of_a_second_end_exactly(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plant = MockFmu((), ())
+    counter = Counter(plant, "plant")
+    monkeypatch.setattr(plant, "instantiate", lambda *_, **__: counter)
+    slow = controller(lambda time: time, 10**11)
+    rows = run(system(fmu(step_ns=100 * MS), slow, stop_ns=10**14, record_ns=10**11),
+               {"plant": plant})  # fmt: skip
+    assert rows.times[-1] == 10**14 and rows["controller.u"][-1] == 100_000.0
+    assert counter.memory.tolist() == [1_000_000.0, 99_999.9, 0.1], "not 99 999.900 000 1"
 
 
 @pytest.mark.parametrize("start", [0.0, 0.3, 1234.5, -0.7])

@@ -60,6 +60,8 @@ def test_the_fmus_own_definition_comes_first() -> None:
 
 def test_fahrenheit_by_fmi_offset() -> None:
     fahrenheit = Unit("degF", (0, 0, 0, 0, 1, 0, 0, 0), 5 / 9, 273.15 - 32 * 5 / 9)
-    factor, offset = conversion(fahrenheit, parse_unit("degC"))
+    there = conversion(fahrenheit, parse_unit("degC"))
+    back = conversion(parse_unit("degC"), fahrenheit)
     for f, c in ((32.0, 0.0), (212.0, 100.0), (-40.0, -40.0)):
-        assert factor * f + offset == pytest.approx(c, abs=1e-12)
+        assert there[0] * f + there[1] == pytest.approx(c, abs=1e-12)
+        assert back[0] * c + back[1] == pytest.approx(f, abs=1e-12)

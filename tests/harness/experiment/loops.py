@@ -1,0 +1,76 @@
+"""An experiment without FMUs: a first-order lag under PID, with noise and two variants."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.cli.values import settings
+from harness.experiment.experiment import Experiment
+
+
+@dataclass
+class Lag:
+    """y <- y + gain (u - y) each sample, as a plain Python controller."""
+
+    gain: float = 0.2
+    y: float = 0.0
+
+    def step(self, time: float, u: float) -> float:
+        self.y += self.gain * (u - self.y)
+        return self.y
+
+
+FILE = """
+title = "A lag under PID"
+stop_time = 1.0
+step = 0.01
+seed = 5
+
+[components.lag]
+controller = "tests.harness.experiment.loops:Lag"
+outputs = ["y"]
+parameters = { gain = 0.3 }
+
+[components.controller]
+controller = "pid"
+parameters = { kp = 0.5, ki = 8.0, u_min = -10.0, u_max = 10.0 }
+
+[components.reference]
+signal = "step"
+parameters = { time = 0.1, final = 2.0 }
+
+[connections]
+"controller.reference" = "reference.value"
+"lag.u" = { from = "controller.u", delay = 0.01 }
+
+[connections."controller.measured"]
+from = "lag.y"
+imperfections = [{ kind = "noise", std = 0.05 }]
+
+[measure]
+reference = "reference.value"
+response = "lag.y"
+control = "controller.u"
+
+[variants.soft]
+label = "soft PID"
+
+[variants.hard]
+components.controller.parameters.kp = 1.0
+
+[study]
+seeds = 3
+baseline = "soft"
+metrics = ["iae"]
+"""
+
+
+def write(folder: Path, text: str = FILE) -> Path:
+    path = folder / "loops" / "lag.toml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def load(folder: Path, text: str = FILE, *changes: str) -> Experiment:
+    """The experiment, changed as by `--set`."""
+    return Experiment.load(write(folder, text), settings(changes))
