@@ -20,6 +20,9 @@ from fmus.plant import Plant
 PLANTS = ("hybrid_actuator", "disturbance_generator", "two_mass_drive")
 
 
+_ROUNDING = 1e-9  # in 1/s: a smaller real part is the rounding of one that is zero
+
+
 class ReadmeError(Exception):
     """A README lacks the place of a generated part."""
 
@@ -88,9 +91,10 @@ def _eigenvalues(plant: Plant, point: WorkingPoint) -> tuple[str, str, str]:
 
 
 def _complex(value: np.complex128) -> str:
+    real = value.real if abs(value.real) > _ROUNDING else 0.0
     if value.imag == 0:
-        return f"{value.real:.3g}"
-    return f"{value.real:.3g} ± {value.imag:.3g} i"
+        return f"{real:.3g}"
+    return f"{real:.3g} ± {value.imag:.3g} i"
 
 
 def _g(value: float) -> str:

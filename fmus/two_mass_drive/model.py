@@ -10,6 +10,7 @@ Equations (1)–(3) of Serkies & Szabat 2013, behind an optimised torque loop:
 
 T_2 is an input: the inertia of the load may change during a run. A change leaves the speed as it
 is, as when a flywheel that already turns at ω_2 is coupled; whoever couples it brings its energy.
+No load is without inertia: below a floor the floor is taken.
 
 This module refuses to know the dead time of the converter (a delay on the wire that carries the
 torque reference) and the encoder's counts (a quantisation on the wire that carries the angle).
@@ -67,6 +68,8 @@ PARAMETERS = (
               0.0, f"{PAPER}, equation (1) has none", 0.0, 10.0),
     Parameter("load_friction", "1", "b_2, viscous friction of the load",
               0.0, f"{PAPER}, equation (2) has none", 0.0, 10.0),
+    Parameter("smallest_load_time_constant", "s", "floor of T_2",
+              2e-3, "our choice: a hundredth of the rated one, a bare shaft", 1e-5, 1.0),
     Parameter("torque_time_constant", "s", "τ, lag of the torque loop",
               1e-4, "our choice: with the converter's dead time, the modulus optimum's mean delay",
               1e-6, 0.1),
@@ -86,24 +89,30 @@ def clip(x: Expression, limit: Expression, width: Expression) -> Expression:
     return x - ramp(x - limit, width) + ramp(-x - limit, width)
 
 
+def held_above(x: Expression, floor: Expression) -> Expression:
+    """x, or `floor` below it, rounded over ± half the floor and exact elsewhere; C²."""
+    return floor + ramp(x - floor, floor / 2)
+
+
 def equations(
     x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace
 ) -> tuple[Mapping[str, Expression], Mapping[str, Expression]]:
     """dx/dt by state and y by output, over CasADi scalars."""
     slip = x.speed_1 - x.speed_2
     shaft_torque = x.elastic_torque + p.shaft_damping * slip
+    T_2 = held_above(u.load_time_constant, p.smallest_load_time_constant)
     wanted = clip(u.torque_reference, p.torque_limit, p.limit_width)
     drive = x.torque_loop - shaft_torque - p.motor_friction * x.speed_1
     surplus = shaft_torque - u.load_torque - p.load_friction * x.speed_2
     rates = {
         "torque_loop": (wanted - x.torque_loop) / p.torque_time_constant,
         "speed_1": drive / p.motor_time_constant,
-        "speed_2": surplus / u.load_time_constant,
+        "speed_2": surplus / T_2,
         "elastic_torque": slip / p.shaft_time_constant,
         "angle_1": p.base_speed * x.speed_1,
     }
     bearings = p.motor_friction * x.speed_1**2 + p.load_friction * x.speed_2**2
-    kinetic = p.motor_time_constant * x.speed_1**2 + u.load_time_constant * x.speed_2**2
+    kinetic = p.motor_time_constant * x.speed_1**2 + T_2 * x.speed_2**2
     outputs = {
         "motor_speed": x.speed_1,
         "load_speed": x.speed_2,

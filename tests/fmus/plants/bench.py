@@ -14,9 +14,11 @@ from fmus.disturbance_generator.model import plant as disturbance_generator
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
+from fmus.two_mass_drive.model import plant as two_mass_drive
 
 Array = NDArray[np.float64]
-PLANTS = (hybrid_actuator, disturbance_generator)
+AXES = (hybrid_actuator, disturbance_generator)
+PLANTS = (*AXES, two_mass_drive)
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -28,12 +30,20 @@ STATE_RANGES = {
     "rod_displacement": (-0.0755, 0.0755),
     "rod_velocity": (-0.3, 0.3),
     "load_cell_force": (-5e4, 5e4),
+    "torque_loop": (-3.0, 3.0),
+    "speed_1": (-1.5, 1.5),
+    "speed_2": (-1.5, 1.5),
+    "elastic_torque": (-3.0, 3.0),
+    "angle_1": (-1e3, 1e3),
 }
 INPUT_RANGES = {
     "command": (-1.2, 1.2),
     "environment_position": (-0.05, 0.05),
     "environment_velocity": (-0.3, 0.3),
     "spring_force": (-3e4, 3e4),
+    "torque_reference": (-4.0, 4.0),
+    "load_torque": (-1.5, 1.5),
+    "load_time_constant": (0.01, 1.0),
 }
 
 

@@ -18,7 +18,12 @@ from numpy.typing import NDArray
 
 import fmus
 from fmus.plant import Plant
-from tests.fmus.plants.bench import Simulator, disturbance_generator, hybrid_actuator
+from tests.fmus.plants.bench import (
+    Simulator,
+    disturbance_generator,
+    hybrid_actuator,
+    two_mass_drive,
+)
 
 STOP_TIME = 0.4
 RTOL = 1e-10
@@ -37,9 +42,16 @@ def generator_inputs(t: float) -> tuple[float, ...]:
     return command, 1500.0 * (1 - cos(2 * pi * 2 * t))
 
 
+def drive_inputs(t: float) -> tuple[float, ...]:
+    """Start beyond the torque limit, a load step, a flywheel that is coupled at 0.25 s."""
+    torque = 3.5 if t < 0.1 else 0.6 * cos(2 * pi * 8 * t)
+    return torque, 0.5 if t >= 0.15 else 0.0, 0.203 if t < 0.25 else 0.406
+
+
 CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
     (hybrid_actuator, hybrid_inputs),
     (disturbance_generator, generator_inputs),
+    (two_mass_drive, drive_inputs),
 )
 
 

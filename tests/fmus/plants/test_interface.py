@@ -14,6 +14,7 @@ from tests.fmus.plants.bench import PLANTS, draw
 UNITS = {
     "1", "m", "m/s", "1/m", "m3", "m3/s", "m3/(s.Pa)", "s", "rad/s",
     "kg", "kg/s", "kg/m3", "kg.m2", "N", "N/m", "N.s/m", "N.m", "N.m.s/rad",
+    "rad",
     "Pa", "W", "J", "V", "V/N",
 }
 # fmt: on
