@@ -19,12 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from controllers import adaptive_kalman_step as kernel
 from controllers.bind import bind
-from controllers.block import Array, Block, Signal
+from controllers.block import Array, Block, Signal, StepFunction
 from controllers.errors import require, require_positive
 from controllers.extended_kalman import update_work
 from controllers.gain_adaptation import DISTANCES, GainAdaptation, distance_work
@@ -92,19 +93,25 @@ def kalman_block(
         Signal("r_scale", "1", "factor of R", 1.0),
     )
     p, x = _arrays(model, noise, adaptation, input_share, scaled_noise)
-    advance = bind(kernel.advance, model_transition=model.transition)
-    expect = bind(kernel.expect, model_measurement=model.measurement)
     return Block(
         inputs=(
             *model.measured, *model.inputs, *model.scheduled, *(scales if scaled_noise else ())
         ),
         outputs=_outputs(model),
-        step=bind(kernel.adaptive_kalman_step, advance=advance, expect=expect),
+        step=_step(model.transition, model.measurement),
         parameters=p,
         parameter_names=tuple(f"p_{i}" for i in range(len(p))),
         state=x,
         state_names=tuple(f"x_{i}" for i in range(len(x))),
     )  # fmt: skip
+
+
+@cache
+def _step(transition: Transition, measurement: Measurement) -> StepFunction:
+    """The step bound to a model: one function a model, so that it is compiled once."""
+    advance = bind(kernel.advance, model_transition=transition)
+    expect = bind(kernel.expect, model_measurement=measurement)
+    return bind(kernel.adaptive_kalman_step, advance=advance, expect=expect)
 
 
 def _arrays(

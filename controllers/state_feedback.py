@@ -23,11 +23,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from controllers.bind import bind
-from controllers.block import Array, Block, Signal
+from controllers.block import Array, Block, Signal, StepFunction
 from controllers.errors import require, require_finite, require_positive
 from controllers.pid import limit
 from controllers.two_mass import two_mass_gains, two_mass_gains_as_printed
@@ -101,6 +102,12 @@ def state_feedback_step(p: Array, x: Array, u: Array, y: Array) -> None:
         y[N_OUTPUTS + i] = k[i]
 
 
+@cache
+def _step(gains: Gains) -> StepFunction:
+    """The step bound to a function of gains: one function each, so that it is compiled once."""
+    return bind(state_feedback_step, model_gains=gains)
+
+
 def state_feedback_block(
     gains: Gains,
     gain_parameters: Array,
@@ -137,7 +144,7 @@ def state_feedback_block(
             Signal("saturated", "1", "1 at the upper limit, −1 at the lower, else 0"),
             *(Signal(name, "", "gain in force") for name in names),
         ),
-        step=bind(state_feedback_step, model_gains=gains),
+        step=_step(gains),
         parameters=np.concatenate([np.array(head), gain_parameters]),
         parameter_names=(
             "sample_time", "n_states", "n_scheduled", "u_min", "u_max", "bumpless",
