@@ -1,12 +1,14 @@
 """The sides of the closed-loop benchmark: each runs the same loop and says what a step took.
 
 At each instant: read y, compute u, set it, (record time, y and u), step. Building, loading,
-initialising and linking are not counted (`run_overhead` measures them).
+initialising and linking are not counted (`run_overhead` measures them). Processor time counts, not
+the clock on the wall, so that a busy machine disturbs less; all sides are single-threaded.
 """
 
 from __future__ import annotations
 
 import ctypes
+import math
 import subprocess
 import time
 from collections.abc import Callable
@@ -21,9 +23,8 @@ from fmpy.fmi3 import FMU3Slave
 
 from benchmarks.lag import Lag
 from benchmarks.pi import STEP, PlainPI, pi_block
+from benchmarks.timed_run import timed_run
 from harness.bench import Bench
-from harness.execution.run import columns_of, execute, opened, plan_system
-from harness.results.recording import Recording
 
 RECORDED = ("plant.y", "controller.u")
 
@@ -44,22 +45,6 @@ def bare_c(lag: Lag, record: bool, steps: int) -> Measured:
     return Measured(float(nanoseconds), (float.fromhex(y), float.fromhex(u)))
 
 
-class _Stopwatch:
-    """Notes when the first and the last chunk of a run ended."""
-
-    def __init__(self) -> None:
-        self.marks: list[tuple[float, float]] = []
-
-    def __call__(self, share: float) -> None:
-        now = time.perf_counter()
-        self.marks = [*self.marks[:1], (share, now)]
-
-    def nanoseconds(self, instants: int) -> float:
-        """Between those two moments, for one of `instants`."""
-        (first, began), (last, ended) = self.marks
-        return 1e9 * (ended - began) / ((last - first) * instants)
-
-
 def harness_loop(lag: Lag, controller: Any, record: bool, steps: int) -> Measured:
     """Our loop through `plan_system` and `execute`, with everything that a run does."""
     bench = Bench(stop_time=steps * STEP, step=STEP)
@@ -67,17 +52,9 @@ def harness_loop(lag: Lag, controller: Any, record: bool, steps: int) -> Measure
     bench.controller("controller", controller)
     bench.connect("plant.y", "controller.y")
     bench.connect("controller.u", "plant.u")
-    system = bench.system()
-    stopwatch = _Stopwatch()
-    with opened(system) as fmus:
-        plan = plan_system(system, fmus, RECORDED if record else ())
-        with Recording(columns_of(plan, fmus)) as recording:
-            outcome = execute(plan, fmus, recording, progress=stopwatch)
-            result = recording.finish()
-    if outcome.fault is not None:
-        raise outcome.fault
-    last = tuple(float(result[name][-1]) for name in RECORDED) if record else None
-    return Measured(stopwatch.nanoseconds(steps + 1), last)  # type: ignore[arg-type]
+    run = timed_run(bench.system(), RECORDED if record else ())
+    y, u = (run.result[name][-1] if record else math.nan for name in RECORDED)
+    return Measured(run.nanoseconds, (float(y), float(u)) if record else None)
 
 
 def compiled(lag: Lag, record: bool, steps: int) -> Measured:
@@ -94,10 +71,10 @@ def bare_python_controller(steps: int) -> Measured:
     """Nothing but the plain Python controller, called in a Python loop."""
     step = PlainPI().step
     t, y = 0.0, 0.5
-    began = time.perf_counter()
+    began = time.thread_time()
     for _ in range(steps):
         step(t, y)
-    return Measured(1e9 * (time.perf_counter() - began) / steps)
+    return Measured(1e9 * (time.thread_time() - began) / steps)
 
 
 def _slave(lag: Lag, folder: Path) -> Any:
@@ -152,7 +129,7 @@ def fmpy_low_level(lag: Lag, folder: Path, preallocated: bool, steps: int) -> Me
     get_y, set_u, do_step = _low_level_calls(slave, preallocated)
     controller = PlainPI().step
     rows = np.zeros((steps + 1, 3))
-    began = time.perf_counter()
+    began = time.thread_time()
     for k in range(steps + 1):
         t = k * STEP
         y = get_y()
@@ -161,7 +138,7 @@ def fmpy_low_level(lag: Lag, folder: Path, preallocated: bool, steps: int) -> Me
         rows[k] = t, y, u
         if k < steps:
             do_step(t, STEP)
-    seconds = time.perf_counter() - began
+    seconds = time.thread_time() - began
     slave.terminate()
     slave.freeInstance()
     return Measured(1e9 * seconds / steps, (rows[-1, 1], rows[-1, 2]))
@@ -180,10 +157,10 @@ def fmpy_simulate(lag: Lag, folder: Path, steps: int) -> Measured:
         getattr(recorder.fmu, setter)([0], [u])
         return True
 
-    began = time.perf_counter()
+    began = time.thread_time()
     result = fmpy.simulate_fmu(
         str(folder), model_description=description, stop_time=steps * STEP, output_interval=STEP,
         start_values={"u": u}, output=["y"], step_finished=step_finished,
     )  # fmt: skip
-    seconds = time.perf_counter() - began
+    seconds = time.thread_time() - began
     return Measured(1e9 * seconds / steps, (float(result["y"][-1]), u))

@@ -12,7 +12,7 @@ The kernels are those of `controllers.extended_kalman`: with a nonlinear transit
 extended filter. Q and R are those of one sample. The share a is 0 for a command that the plant
 obeys at once and 1 for a reading of what acted; a command that arrives late lies between.
 
-`kalman_block` makes the block of any model; `TwoMassKalman` that of Serkies & Szabat 2013.
+`kalman_block` makes the block of any model; `controllers.two_mass_kalman` is an example.
 """
 
 from __future__ import annotations
@@ -26,15 +26,10 @@ import numpy as np
 from controllers import adaptive_kalman_step as kernel
 from controllers.bind import bind
 from controllers.block import Array, Block, Signal, StepFunction
-from controllers.errors import require, require_positive
+from controllers.errors import require
 from controllers.extended_kalman import update_work
 from controllers.gain_adaptation import DISTANCES, GainAdaptation, distance_work
 from controllers.p_point import N_SCORE, gaussian_score
-from controllers.two_mass import (
-    TRANSITION_WORK,
-    two_mass_measurement,
-    two_mass_transition,
-)
 
 Transition = Callable[[Array, Array, Array, Array, Array, Array, Array], None]
 Measurement = Callable[[Array, Array, Array, Array, Array], None]
@@ -129,12 +124,12 @@ def _arrays(
         system.structure(), system.theta()
     )  # fmt: skip
     rules = 0 if system is None else len(system.rules)
-    tail = [model.parameters, np.ravel(noise.Q), np.ravel(noise.R), structure, theta]
+    tail: list[Array] = [model.parameters, np.ravel(noise.Q), np.ravel(noise.R), structure, theta]
     places = kernel.N_HEAD + np.cumsum([len(part) for part in tail[:-1]])
     own = n_u + n + 2 * n * n + max(model.work, n * n)
     work = max(own, update_work(n, m), distance_work(n, m), 1 + 3 * rules)
-    memory = [0.0, 0.0, 0.0, 1.0]  # not started, window empty, g = 1
-    parts = [
+    memory = np.array([0.0, 0.0, 0.0, 1.0])  # not started, window empty, g = 1
+    parts: list[Array] = [
         noise.x, np.ravel(noise.P), memory, np.zeros(n_u), np.zeros(window), gaussian_score(),
         np.zeros(m), np.zeros(m * n), np.zeros(m * m), np.zeros(m), np.zeros(work),
     ]  # fmt: skip
@@ -166,84 +161,3 @@ def _outputs(model: KalmanModel) -> tuple[Signal, ...]:
         *(Signal(name, "", f"gain of {x} for {z} in force") for name, x, z in gains),
         *(Signal(f"variance_{x.name}", "", f"variance of {x.name}") for x in model.states),
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class TwoMassKalman:
-    """Kalman filter of the two-mass drive: ω_1, ω_2, m_s, m_L from ω_1 and m_e.
-
-    motor_time_constant   T_1 [s];  shaft_time_constant  T_c [s]
-    q                     diagonal of Q: variances of ω_1, ω_2, m_s, m_L gained in a second [1/s]
-    r                     variance of the measured speed
-    initial_variance      diagonal of P_0
-    input_delay           how late a torque reading acts, up to a sample [s]; None: at the sample
-    distances, gains,     see `GainAdaptation`; no distances, no adaptation
-    window, distance,
-    covariance
-    scaled_noise          inputs q_scale and r_scale, for `FuzzyInertiaEstimator`
-
-    Inputs: motor_speed, electromagnetic_torque, load_time_constant (T_2 in force).
-    """
-
-    motor_time_constant: float
-    shaft_time_constant: float
-    q: tuple[float, ...]
-    r: float
-    initial_variance: tuple[float, ...] = (1e-4, 1e-4, 1e-2, 1e-2)
-    input_delay: float | None = None
-    distances: tuple[float, ...] = ()
-    gains: tuple[float, ...] = ()
-    window: int = 100
-    distance: str = "state"
-    covariance: str = "consistent"
-    scaled_noise: bool = False
-
-    def __post_init__(self) -> None:
-        """Raise `ControllerError` for values that cannot be meant."""
-        for name in ("motor_time_constant", "shaft_time_constant", "r"):
-            require_positive(f"TwoMassKalman.{name}", getattr(self, name))
-        for name in ("q", "initial_variance"):
-            given = getattr(self, name)
-            four = len(given) == 4 and all(value >= 0.0 for value in given)
-            require(four, f"TwoMassKalman.{name}", "four numbers, none below 0", given)
-
-    def block(self, sample_time: float) -> Block:
-        """The block for this sample time [s]."""
-        require_positive("TwoMassKalman.block: sample_time", sample_time)
-        delay = sample_time if self.input_delay is None else self.input_delay
-        require(0.0 <= delay <= sample_time, "TwoMassKalman.input_delay",
-                f"0 to the sample time {sample_time:g} s", delay)  # fmt: skip
-        adaptation = None
-        if self.distances or self.gains:
-            adaptation = GainAdaptation(
-                distances=self.distances, gains=self.gains, window=self.window,
-                distance=self.distance, covariance=self.covariance,
-            )  # fmt: skip
-        noise = Noise(
-            Q=np.diag(self.q) * sample_time,
-            R=np.array([[self.r]]),
-            P=np.diag(self.initial_variance),
-            x=np.zeros(4),
-        )
-        return kalman_block(
-            self.model(sample_time), noise, adaptation=adaptation,
-            input_share=1.0 - delay / sample_time, scaled_noise=self.scaled_noise,
-        )  # fmt: skip
-
-    def model(self, sample_time: float) -> KalmanModel:
-        """The drive as the filter takes it."""
-        return KalmanModel(
-            transition=two_mass_transition,
-            measurement=two_mass_measurement,
-            parameters=np.array([self.motor_time_constant, self.shaft_time_constant, sample_time]),
-            work=TRANSITION_WORK,
-            states=(
-                Signal("estimated_motor_speed", "1", "ω_1"),
-                Signal("estimated_load_speed", "1", "ω_2"),
-                Signal("estimated_shaft_torque", "1", "m_s"),
-                Signal("estimated_load_torque", "1", "m_L"),
-            ),
-            measured=(Signal("motor_speed", "1", "measured ω_1"),),
-            inputs=(Signal("electromagnetic_torque", "1", "m_e"),),
-            scheduled=(Signal("load_time_constant", "s", "T_2 in force", 1.0),),
-        )

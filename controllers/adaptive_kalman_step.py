@@ -92,7 +92,7 @@ def adapt(p: Array, x: Array, nu: Array) -> float:
     place = int(memory[PLACE])
     count = min(int(memory[COUNT]) + 1, window)
     ring = x[int(p[X_RING]) : int(p[X_SCORE])]
-    distance = window_mean(ring, count, place, squared) / memory[GAIN]
+    distance = float(window_mean(ring, count, place, squared) / memory[GAIN])
     memory[COUNT] = count
     memory[PLACE] = (place + 1) % window
     rules = int(p[N_RULES])

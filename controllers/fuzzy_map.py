@@ -62,7 +62,7 @@ def fuzzy_map_block(
 
 @dataclass(frozen=True, kw_only=True)
 class FuzzyInertiaTables(FuzzyInertiaEstimator):
-    """The rules of `FuzzyInertiaEstimator` alone: (er, ω_ref) to T_2, k_T and the factors of Q, R."""
+    """The rules of `FuzzyInertiaEstimator` alone: (er, ω_ref) to T_2, k_T, q and r."""
 
     def block(self, sample_time: float) -> Block:
         """The block, for any sample time."""

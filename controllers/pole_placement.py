@@ -62,7 +62,7 @@ def design_of(A: Array, b: Array, K: Array, poles: Sequence[complex]) -> PolePla
         K=np.asarray(K, dtype=np.float64),
         wanted=wanted,
         poles=np.linalg.eigvals(closed).astype(np.complex128),
-        wanted_polynomial=np.poly(wanted).real,
+        wanted_polynomial=np.real(np.poly(wanted)).astype(np.float64),
         polynomial=characteristic_polynomial(closed),
     )
 

@@ -15,7 +15,8 @@ limited, an increment of the integral that would drive it further is left out.
 k = (k_I, k_1, …, k_n) for the scheduled parameters s (`controllers.bind`). Gains that do not
 change are the function `constant_gains`.
 
-This module refuses to design gains (`controllers.pole_placement`, `controllers.two_mass`).
+`controllers.two_mass_controller` is an example of gains that follow. This module refuses to design
+gains (`controllers.pole_placement`).
 """
 
 from __future__ import annotations
@@ -31,7 +32,6 @@ from controllers.bind import bind
 from controllers.block import Array, Block, Signal, StepFunction
 from controllers.errors import require, require_finite, require_positive
 from controllers.pid import limit
-from controllers.two_mass import two_mass_gains, two_mass_gains_as_printed
 
 Gains = Callable[[Array, Array, Array], None]
 
@@ -181,57 +181,4 @@ class StateController:
         return state_feedback_block(
             constant_gains, np.array([self.k_i, *self.k]), states, (),
             sample_time=sample_time, u_min=self.u_min, u_max=self.u_max,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class TwoMassController:
-    """State controller of the two-mass drive by (5)–(8), retuned at each sample for its T_2.
-
-    resonant_frequency     ω_r, magnitude of the double pole pair [rad/s]
-    damping                ξ of the pair
-    motor_time_constant    T_1 [s];  shaft_time_constant  T_c [s]
-    u_min, u_max           limits of the torque reference
-    bumpless               keep the control where it is when T_2 changes
-    as_printed             take (7) and (8) with their misprints, which place no poles
-
-    Inputs: reference, measured (ω_2), motor_speed, shaft_torque, load_speed, load_time_constant.
-    """
-
-    resonant_frequency: float
-    damping: float
-    motor_time_constant: float
-    shaft_time_constant: float
-    u_min: float = -math.inf
-    u_max: float = math.inf
-    bumpless: bool = True
-    as_printed: bool = False
-
-    def __post_init__(self) -> None:
-        """Raise `ControllerError` for values that cannot be meant."""
-        for name in (
-            "resonant_frequency", "damping", "motor_time_constant", "shaft_time_constant",
-        ):  # fmt: skip
-            require_positive(f"TwoMassController.{name}", getattr(self, name))
-
-    def block(self, sample_time: float) -> Block:
-        """The block for this sample time [s]."""
-        p = np.array(
-            [
-                self.motor_time_constant,
-                self.shaft_time_constant,
-                self.resonant_frequency,
-                self.damping,
-            ]
-        )
-        states = (
-            Signal("motor_speed", "1", "ω_1"),
-            Signal("shaft_torque", "1", "m_s"),
-            Signal("load_speed", "1", "ω_2"),
-        )
-        scheduled = (Signal("load_time_constant", "s", "T_2 in force"),)
-        gains = two_mass_gains_as_printed if self.as_printed else two_mass_gains
-        return state_feedback_block(
-            gains, p, states, scheduled, sample_time=sample_time,
-            u_min=self.u_min, u_max=self.u_max, bumpless=self.bumpless,
         )  # fmt: skip

@@ -17,8 +17,13 @@ import numpy as np
 from fmus.linearization import WorkingPoint, equilibrium, linearize
 from fmus.plant import Plant
 
-PLANTS = ("hybrid_actuator", "disturbance_generator", "two_mass_drive")
-
+PLANTS = (
+    "hybrid_actuator",
+    "disturbance_generator",
+    "electro_hydraulic_servo",
+    "single_machine_infinite_bus",
+    "two_mass_drive",
+)
 
 _ROUNDING = 1e-9  # in 1/s: a smaller real part is the rounding of one that is zero
 

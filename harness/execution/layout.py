@@ -83,8 +83,8 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
     rank = {end: i for i, end in enumerate(slots)}
     others: set[tuple[View, Endpoint]] = {
         (action.view, Endpoint(action.component, name))
-        for instant in plan.instants
-        for action in instant.actions
+        for actions in plan.patterns
+        for action in actions
         if isinstance(action, Read) and action.view != "present"
         for name in action.outputs
     }

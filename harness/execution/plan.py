@@ -17,8 +17,7 @@ would need more than `MAX_ACTIONS` actions.
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import networkx as nx
@@ -38,6 +37,7 @@ from harness.execution.actions import (
     View,
     Write,
 )
+from harness.execution.calendar import Calendar, Event, Role
 from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (
@@ -57,7 +57,8 @@ MAX_ACTIONS = 1_000_000
 class Plan:
     """The schedule of one cycle, and what initialises a run.
 
-    `initial` propagates values once, before the first cycle; `read` and `written` are the FMU
+    Instants at which the same things are due share one tuple of actions. `initial` propagates
+    values once, before the first cycle; `read` and `written` are the FMU
     ports that the plan touches, each in the order in which they should lie in memory; `recorded`
     are the columns of a row.
     """
@@ -69,6 +70,11 @@ class Plan:
     read: tuple[Endpoint, ...]
     written: tuple[Endpoint, ...]
     recorded: tuple[Endpoint, ...]
+
+    @property
+    def patterns(self) -> tuple[tuple[Action, ...], ...]:
+        """The distinct lists of actions of all instants."""
+        return tuple({id(instant.actions): instant.actions for instant in self.instants}.values())
 
 
 def make_plan(
@@ -97,32 +103,32 @@ class _Planner:
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
-        self.position = {c.name: i for i, c in enumerate(lowered.fmus)}
         self._check_phases()
         self._check_rates()
         periods = [rate_of(c).period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
         self._check_size()
         self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
-        self.due = {name: frozenset(grid) for name, grid in self.grid.items()}
         self._check_stop()
         self.blocks = self._order_blocks()
         self.stages = self._reading_stages()
         self.fresh = self._fresh_stages()
+        self.written = self._written()
+        self.written_of = _by_component(self.written)
+        self.wires_before = self._wires_from_before()
+        self.reached = _by_component(w.source for ws in self.wires_before.values() for w in ws)
 
     def plan(self) -> Plan:
-        offsets = {0, *range(0, self.cycle_ns, self.system.record_ns)}
-        for component in self.lowered.sampled:
-            offsets.update(self._sample_offsets(component))
-        for grid in self.grid.values():
-            offsets.update(grid)
+        instants = self._calendar().instants()
+        distinct = dict.fromkeys(events for _, events in instants)
+        patterns = {events: tuple(self._actions(events)) for events in distinct}
         return Plan(
             self.lowered,
             self.cycle_ns,
-            tuple(Instant(o, tuple(self._actions(o))) for o in sorted(offsets)),
+            tuple(Instant(offset, patterns[events]) for offset, events in instants),
             tuple(self._initial_actions()),
             tuple(end for stage in self.stages for end in stage.outputs),
-            self._written(),
+            self.written,
             self.recorded,
         )
 
@@ -233,11 +239,9 @@ class _Planner:
 
     def _fmu_sources(self) -> list[Endpoint]:
         wired = [w.source for w in self.lowered.wires if w.source.component in self.fmus]
-        return [*wired, *(end for end in self.recorded if self._is_fmu_output(end))]
-
-    def _is_fmu_output(self, end: Endpoint) -> bool:
         inputs = {wire.target for wire in self.lowered.wires}
-        return end.component in self.fmus and end not in inputs
+        recorded = [end for end in self.recorded if end.component in self.fmus]
+        return [*wired, *(end for end in recorded if end not in inputs)]
 
     def _reading_stages(self) -> tuple[Stage, ...]:
         def known(wire: Wire) -> bool:
@@ -253,16 +257,16 @@ class _Planner:
         early = {c.name for c in self.lowered.sampled if isinstance(c, SignalComponent)}
         early |= set(self.fmus)
         changed = {w.target for w in wires if w.source.component not in early}
-        outputs: list[Endpoint] = []
+        outputs: dict[Endpoint, None] = {}
         while True:
-            found = [
-                w.source for w in wires
+            found = {
+                w.source: None for w in wires
                 if w.source.component in self.fmus and w.source not in outputs
                 and feeding_inputs(w.source, self.descriptions) & changed
-            ]  # fmt: skip
+            }  # fmt: skip
             if not found:
                 break
-            outputs += dict.fromkeys(found)
+            outputs |= found
             changed |= {w.target for w in wires if w.source in found}
         if not outputs:
             return ()
@@ -276,11 +280,26 @@ class _Planner:
 
     # actions
 
-    def _actions(self, offset: int) -> Iterator[Action]:
-        due = [name for name, instants in self.due.items() if offset in instants]
-        sampled = [c for c in self.blocks if offset in self._sample_offsets(c)]
-        arriving = [d.name for d in self.delays if offset in self._sample_offsets(d)]
-        yield from map(Compute, arriving)
+    def _calendar(self) -> Calendar:
+        calendar = Calendar(self.cycle_ns)
+        for delay in self.delays:
+            taken = range(delay.source_phase_ns, self.cycle_ns, delay.period_ns)
+            calendar.enter(Event(Role.ARRIVE, delay.name), self._sample_offsets(delay))
+            calendar.enter(Event(Role.TAKE, delay.name), taken)
+        for block in self.blocks:
+            calendar.enter(Event(Role.SAMPLE, block.name), self._sample_offsets(block))
+        calendar.enter(Event(Role.RECORD), range(0, self.cycle_ns, self.system.record_ns))
+        for name, grid in self.grid.items():
+            calendar.enter_steps(name, grid)
+        return calendar
+
+    def _actions(self, events: tuple[Event, ...]) -> Iterator[Action]:
+        names: dict[Role, list[str]] = {role: [] for role in Role}
+        for event in events:
+            names[event.role].append(event.name)
+        due = {event.name: event.step_ns for event in events if event.role is Role.STEP}
+        sampled = [self.by_name[name] for name in names[Role.SAMPLE]]
+        yield from map(Compute, names[Role.ARRIVE])
         yield from (Sample(c.name) for c in sampled if isinstance(c, SignalComponent))
         yield from self._staged(self.stages, due)
         yield from (Linearise(c.name) for c in sampled if isinstance(c, SensitivityComponent))
@@ -288,12 +307,11 @@ class _Planner:
             if not isinstance(c, (SignalComponent, SensitivityComponent)):
                 yield from self._compute(c)
         yield from self._apply(due)
-        for delay in self.delays:
-            if (offset - delay.source_phase_ns) % delay.period_ns == 0:
-                yield Transfer(tuple(self.wires_to[delay.name]))
-        if offset % self.system.record_ns == 0:
+        for name in names[Role.TAKE]:
+            yield Transfer(tuple(self.wires_to[name]))
+        if names[Role.RECORD]:
             yield Record()
-        yield from self._steps(offset, due)
+        yield from self._steps(due)
 
     def _compute(self, component: Component) -> Iterator[Action]:
         if self.wires_to[component.name]:
@@ -301,18 +319,19 @@ class _Planner:
         yield Compute(component.name)
 
     def _staged(
-        self, stages: tuple[Stage, ...], due: list[str], view: View = "present"
+        self, stages: tuple[Stage, ...], due: Collection[str], view: View = "present"
     ) -> Iterator[Action]:
         for stage in stages:
             wires = tuple(w for w in stage.wires if w.target.component in due)
             if wires:
                 yield Transfer(wires, view)
-                yield from _grouped(Write, [w.target for w in wires])
+                targets = _by_component(w.target for w in wires)
+                yield from (Write(name, inputs) for name, inputs in targets.items())
             outputs = [end for end in stage.outputs if end.component in due]
             for name, variables in _by_component(outputs).items():
                 yield Read(name, variables, view)
 
-    def _apply(self, due: list[str]) -> Iterator[Action]:
+    def _apply(self, due: Collection[str]) -> Iterator[Action]:
         wires = tuple(wire for name in due for wire in self.wires_to[name])
         if wires:
             yield Transfer(wires)
@@ -323,41 +342,32 @@ class _Planner:
             moved = tuple(wire for wire in wires if wire.source in outputs)
             yield Transfer(moved, "applied")
 
-    def _write(self, due: list[str]) -> Iterator[Action]:
-        for name in due:
-            yield from _grouped(Write, [e for e in self._written() if e.component == name])
+    def _write(self, due: Iterable[str]) -> Iterator[Action]:
+        yield from (Write(name, self.written_of[name]) for name in due if name in self.written_of)
 
-    def _steps(self, offset: int, due: list[str]) -> Iterator[Action]:
+    def _steps(self, due: Mapping[str, int]) -> Iterator[Action]:
         if self.system.algorithm == "jacobi":
             yield from self._write(due)
-            yield from (Step(name, self._step_from(name, offset)) for name in due)
+            yield from (Step(name, step_ns) for name, step_ns in due.items())
             return
-        for name in due:
-            before = self._wires_from_before(name)
-            if before:
-                yield Transfer(before, "reached")
+        for name, step_ns in due.items():
+            if self.wires_before[name]:
+                yield Transfer(self.wires_before[name], "reached")
             yield from self._write([name])
-            yield Step(name, self._step_from(name, offset))
-            later = [w.source for other in self.fmus for w in self._wires_from_before(other)
-                     if w.source.component == name]  # fmt: skip
-            if later:
-                yield Read(name, tuple(dict.fromkeys(end.variable for end in later)), "reached")
+            yield Step(name, step_ns)
+            if name in self.reached:
+                yield Read(name, self.reached[name], "reached")
 
-    def _wires_from_before(self, name: str) -> tuple[Wire, ...]:
-        place = self.position
-        return tuple(
-            w for w in self.wires_to[name]
-            if w.source.component in place and place[w.source.component] < place[name]
-        )  # fmt: skip
-
-    def _step_from(self, name: str, offset: int) -> int:
-        grid = self.grid[name]
-        following = bisect_right(grid, offset)
-        return (grid[following] if following < len(grid) else self.cycle_ns) - offset
+    def _wires_from_before(self) -> dict[str, tuple[Wire, ...]]:
+        """By FMU: the wires from those that step before it."""
+        place = {name: i for i, name in enumerate(self.fmus)}
+        return {
+            name: tuple(w for w in self.wires_to[name] if place.get(w.source.component, i) < i)
+            for name, i in place.items()
+        }
 
     def _initial_actions(self) -> Iterator[Action]:
-        names = list(self.fmus)
-        yield from self._staged(self.stages, names)
+        yield from self._staged(self.stages, self.fmus)
         stated = {c.name for c in self.system.components}
         for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
@@ -366,19 +376,15 @@ class _Planner:
                     came_in = Endpoint(component.name, component.inputs[0].name)
                     goes_out = Endpoint(component.name, component.outputs[0].name)
                     yield Transfer((Wire(came_in, goes_out),))
-        wires = tuple(wire for name in names for wire in self.wires_to[name])
+        wires = tuple(wire for name in self.fmus for wire in self.wires_to[name])
         if wires:
             yield Transfer(wires)
-            yield from self._write(names)
+            yield from self._write(self.fmus)
 
 
-def _by_component(ends: list[Endpoint]) -> dict[str, tuple[str, ...]]:
-    grouped: dict[str, tuple[str, ...]] = {}
+def _by_component(ends: Iterable[Endpoint]) -> dict[str, tuple[str, ...]]:
+    """The distinct variables of each component, in order."""
+    grouped: dict[str, dict[str, None]] = {}
     for end in ends:
-        grouped[end.component] = (*grouped.get(end.component, ()), end.variable)
-    return grouped
-
-
-def _grouped(kind: type[Write], ends: list[Endpoint]) -> Iterator[Write]:
-    for name, variables in _by_component(list(dict.fromkeys(ends))).items():
-        yield kind(name, variables)
+        grouped.setdefault(end.component, {})[end.variable] = None
+    return {name: tuple(variables) for name, variables in grouped.items()}

@@ -46,8 +46,8 @@ class Program:
     """A linked plan: what `loop.run_cycles` takes, and whose operation each row is.
 
     `initial` is the one instant that propagates values during initialisation, `instants` are
-    those of a cycle. `owners[i]` is the action behind row i of `code`; `states` are the live
-    states of the blocks by name.
+    those of a cycle; instants that share their actions share their rows. `owners[i]` is the action
+    behind row i of `code`; `states` are the live states of the blocks by name.
     """
 
     plan: Plan
@@ -80,7 +80,7 @@ class _Linker:
         descriptions = {name: i.description for name, i in instances.items()}
         self.layout = make_layout(plan, descriptions)
         self.components = {c.name: c for c in plan.lowered.components}
-        distinct = {action for instant in plan.instants for action in instant.actions}
+        distinct = {action for actions in plan.patterns for action in actions}
         room = sum(map(_ports, distinct | set(plan.initial)))
         self.program = Program(
             plan,
@@ -103,22 +103,22 @@ class _Linker:
             for signal in [*component.inputs, *component.outputs]:
                 program.v[self.layout.slots[Endpoint(component.name, signal.name)]] = signal.start
         rows: list[list[int]] = []
-        bounds = []
-        for offset, actions in [
-            (0, self.plan.initial),
-            *((instant.offset_ns, instant.actions) for instant in self.plan.instants),
-        ]:
+        spans: dict[int, tuple[int, int]] = {}
+        for actions in (self.plan.initial, *self.plan.patterns):
             first = len(rows)
             for action in actions:
                 operations = self.operations(action)
                 rows += operations
                 program.owners += [action] * len(operations)
-            bounds.append((offset, first, len(rows)))
+            spans[id(actions)] = (first, len(rows))
         program.code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
         for i, row in enumerate(rows):
             program.code[i, : len(row)] = row
-        program.initial = np.array(bounds[:1], dtype=np.int64)
-        program.instants = np.array(bounds[1:], dtype=np.int64).reshape(-1, 3)
+        program.initial = np.array([(0, *spans[id(self.plan.initial)])], dtype=np.int64)
+        program.instants = np.array(
+            [(instant.offset_ns, *spans[id(instant.actions)]) for instant in self.plan.instants],
+            dtype=np.int64,
+        ).reshape(-1, 3)
         program.copies = np.array(self.copies, dtype=np.int64).reshape(-1, 2)
         program.scales = np.array(self.scales, dtype=np.float64).reshape(-1, 2)
         return program
@@ -159,9 +159,8 @@ class _Linker:
     def _sample(self, name: str) -> list[int]:
         component = self.components[name]
         assert isinstance(component, SignalComponent)
-        if component not in self.program.signals:
-            self.program.signals.append(component)
-        index = self.program.signals.index(component)
+        self.program.signals.append(component)  # once: equal actions share their rows
+        index = len(self.program.signals) - 1
         return [op.SAMPLE, index, self.layout.slots[Endpoint(name, "value")]]
 
     def _compute(self, name: str) -> Iterable[list[int]]:

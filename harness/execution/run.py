@@ -238,14 +238,16 @@ def _loop(
     n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
     rows_per_cycle = cycle_ns // system.record_ns
     samples = _Samples(program)
+    times, rows = np.empty(0, dtype=np.int64), np.empty((0, len(program.recorded)))
     chunk = 1 if rows_per_cycle > _CHUNK_ROWS else _FIRST_CHUNK
     cycle = 0
     while cycle < n_cycles:
         chunk = min(chunk, n_cycles - cycle)
         samples.fill(cycle, chunk)
         program.clock[ROWS] = 0
-        rows = np.empty((chunk * rows_per_cycle, len(program.recorded)))
-        times = np.empty(chunk * rows_per_cycle, dtype=np.int64)
+        if len(times) < chunk * rows_per_cycle:  # memory fresh from the system is slow to touch
+            times = np.empty(chunk * rows_per_cycle, dtype=np.int64)
+            rows = np.empty((len(times), len(program.recorded)))
         span = (system.start_ns, system.stop_ns, cycle_ns, cycle + chunk)
         began = time.perf_counter()
         try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -136,10 +137,11 @@ class System:
 
     def component(self, name: str) -> Component:
         """The component of that name; raises KeyError."""
-        for component in self.components:
-            if component.name == name:
-                return component
-        raise KeyError(name)
+        return self._by_name[name]
+
+    @cached_property
+    def _by_name(self) -> dict[str, Component]:
+        return {component.name: component for component in self.components}
 
     @property
     def fmus(self) -> tuple[FmuComponent, ...]:

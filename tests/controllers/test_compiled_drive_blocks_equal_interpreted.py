@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from controllers.adaptive_kalman import TwoMassKalman
 from controllers.encoder import EncoderSpeed
 from controllers.fuzzy_map import FuzzyInertiaTables, GainAdaptationCurve
 from controllers.inertia_estimator import FuzzyInertiaEstimator
-from controllers.state_feedback import StateController, TwoMassController
+from controllers.state_feedback import StateController
+from controllers.two_mass_controller import TwoMassController
+from controllers.two_mass_kalman import TwoMassKalman
 from tests.controllers.compiled import assert_bit_equal
 from tests.controllers.test_inertia_estimator_follows_its_equations import TABLES
 

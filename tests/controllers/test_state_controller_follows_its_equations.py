@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from controllers.errors import ControllerError
-from controllers.state_feedback import StateController, TwoMassController
+from controllers.state_feedback import StateController
 from controllers.two_mass import two_mass_gains
+from controllers.two_mass_controller import TwoMassController
 from tests.controllers.compiled import run
 
 T_S = 5e-4

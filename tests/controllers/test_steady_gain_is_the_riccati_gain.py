@@ -5,15 +5,16 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from controllers.adaptive_kalman import TwoMassKalman
 from controllers.discretisation import held
 from controllers.two_mass import drive_model
+from controllers.two_mass_kalman import TwoMassKalman
 from tests.controllers.compiled import _REBUILT, rebuild
 
 T_1, T_C, T_S = 0.203, 1.2e-3, 5e-4
 H = np.array([[1.0, 0.0, 0.0, 0.0]])
 Q_GOOD, Q_BAD, R = (1e-5, 1e-5, 1e-4, 5.0), (1e-4, 1e-4, 1e-2, 200.0), 3e-6
-NAMES = [f"gain_estimated_{name}" for name in ("motor_speed", "load_speed", "shaft_torque", "load_torque")]  # fmt: skip
+STATES = ("motor_speed", "load_speed", "shaft_torque", "load_torque")
+NAMES = [f"gain_estimated_{name}" for name in STATES]
 
 
 def settled(T_2, **parameters):

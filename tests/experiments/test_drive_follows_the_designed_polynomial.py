@@ -7,11 +7,13 @@ error of first order, and the extrapolated response is it. The lag of the torque
 design neglects, falls with the sample time here.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from controllers.state_feedback import TwoMassController
+from controllers.two_mass_controller import TwoMassController
 from fmus.two_mass_drive.model import plant
 from harness.bench import Bench
 
@@ -56,7 +58,7 @@ def test_order_one_and_the_limit(T_2):
     wanted = designed(runs[0][0])
     errors = np.array([np.abs(y - wanted).max() for _, y in runs])
     assert errors[:-1] / errors[1:] == pytest.approx([2.0] * 3, abs=0.02)
-    first = [2 * b[1] - a[1] for a, b in zip(runs[:-1], runs[1:], strict=True)]
+    first = [2 * b[1] - a[1] for a, b in pairwise(runs)]
     second = (4 * first[-1] - first[-2]) / 3
     assert np.abs(second - wanted).max() < 1e-6 * SIZE
 

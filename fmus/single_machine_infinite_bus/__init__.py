@@ -1,0 +1,1 @@
+"""A synchronous generator at an infinite bus, controlled by its field voltage."""
