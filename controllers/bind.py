@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
 from types import FunctionType
 from typing import Any, TypeVar
 
@@ -32,10 +33,11 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def bind(template: F, **functions: Callable[..., Any]) -> F:
-    """A new plain function with the code of `template`, whose given names mean `functions`.
+    """A plain function with the code of `template`, whose given names mean `functions`.
 
-    The template is left as it is. Each name must be a function that the template's code names,
-    and the function given for it must take as many arguments. Raises `ControllerError` otherwise.
+    The template is left as it is; the same binding gives the same function again. Each name must
+    be a function that the template's code names, and the function given for it must take as many
+    arguments. Raises `ControllerError` otherwise.
     """
     where = f"bind({getattr(template, '__qualname__', template)})"
     if not isinstance(template, FunctionType) or template.__closure__:
@@ -49,15 +51,20 @@ def bind(template: F, **functions: Callable[..., Any]) -> F:
         legal = "a function that the template names: " + ", ".join(named)
         require(name in named, where, legal, name)
         _require_same_arguments(f"{where}: {name}", scope[name], function)
-    bound = FunctionType(
-        template.__code__, {**scope, **functions}, template.__name__, template.__defaults__
-    )
-    given = ", ".join(f"{name}={function.__name__}" for name, function in functions.items())
+    return _bound(template, tuple(sorted(functions.items())))  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=256)
+def _bound(template: FunctionType, functions: tuple[tuple[str, FunctionType], ...]) -> FunctionType:
+    """One object for one binding, so that whoever compiles it can remember having done so."""
+    scope = {**template.__globals__, **dict(functions)}
+    bound = FunctionType(template.__code__, scope, template.__name__, template.__defaults__)
+    given = ", ".join(f"{name}={function.__name__}" for name, function in functions)
     bound.__qualname__ = f"{template.__qualname__}({given})"
     bound.__module__ = template.__module__
     bound.__doc__ = template.__doc__
     bound.__annotations__ = template.__annotations__
-    return bound  # type: ignore[return-value]
+    return bound
 
 
 def _require_same_arguments(where: str, placeholder: FunctionType, function: object) -> None:

@@ -17,7 +17,12 @@ import numpy as np
 from fmus.linearization import WorkingPoint, equilibrium, linearize
 from fmus.plant import Plant
 
-PLANTS = ("hybrid_actuator", "disturbance_generator", "single_machine_infinite_bus")
+PLANTS = (
+    "hybrid_actuator",
+    "disturbance_generator",
+    "electro_hydraulic_servo",
+    "single_machine_infinite_bus",
+)
 
 
 class ReadmeError(Exception):

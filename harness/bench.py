@@ -104,7 +104,7 @@ class Bench:
         if text.endswith(".fmu") or "/" in text or "\\" in text:
             path = Path(source)
         else:
-            path = registry.plant(text).fmu(self.fmi_version, portable=self.portable)
+            path = registry.plant_fmu(text, self.fmi_version, portable=self.portable)
         period = self._period(step, f"step of {name}")
         self._add(FmuComponent(name, path, period, dict(start_values or {}), tolerance))
 

@@ -14,7 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, Protocol
 
-from harness.errors import UsageError, nearest
+from harness.errors import FmuError, UsageError, nearest
 
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
@@ -50,6 +50,15 @@ def plant(name: str) -> Plant:
     """The plant registered under `name`; raises `UsageError` with the nearest names."""
     loaded: Plant = _load(PLANTS, name, "plant")
     return loaded
+
+
+def plant_fmu(name: str, fmi_version: int = 3, *, portable: bool = False) -> Path:
+    """The FMU of a plant, FMI 2 where it is `portable`; raises `FmuError` when there is none."""
+    found = plant(name)
+    try:
+        return found.fmu(2 if portable else fmi_version, portable=portable)
+    except Exception as fault:  # a plant of another package has errors of its own
+        raise FmuError(f"plant {name} cannot be packaged as an FMU: {fault}") from fault
 
 
 def controller(name: str) -> Any:

@@ -37,7 +37,7 @@ def build_command(
                 folder = output / ("portable" if portable else f"fmi{version}")
                 target = folder / f"{plant.name}.fmu"
                 try:
-                    built = plant.fmu(version, portable=portable)
+                    built = registry.plant_fmu(name, version, portable=portable)
                     folder.mkdir(parents=True, exist_ok=True)
                     shutil.copyfile(built, target)
                 except OSError as fault:

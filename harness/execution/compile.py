@@ -5,6 +5,10 @@ as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, 
 the array lengths fixed. The machine code is cached on disk under a fingerprint of all that code,
 so a change in a helper of another module is noticed, which numba's own cache does not.
 
+Every rebuilt function bears the fingerprint of its step in its name. Code from the cache shares
+one space of symbols with all other code of the process, and of two equal symbols the first wins:
+functions of one name in two steps (a template bound to two models) must not have the same symbol.
+
 It refuses step functions that raise: a block reports that it cannot go on by writing NaN.
 """
 
@@ -69,7 +73,7 @@ _compiled: dict[str, CompiledStep] = {}
 def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
     scope = {
         **globals(),
-        "step": _rebuild(function, {}),
+        "step": _rebuild(function, name, {}),
         **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
     }
     entry = FunctionType(_entry.__code__, scope, name)
@@ -150,16 +154,18 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def _rebuild(function: FunctionType, done: dict[int, Any]) -> Any:
-    """`function` as a numba function whose helpers are numba functions too."""
+def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
+    """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(_plain(value), done)
+            name: _rebuild(_plain(value), step, done)
             for name, value in _named(function).items()
             if _is_function(value)
         }
         scope = {**function.__globals__, **helpers}
-        plain = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+        own = f"{function.__name__}_in_{step}"
+        plain = FunctionType(function.__code__, scope, own, function.__defaults__)
+        plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
         done[id(function)] = njit(plain, error_model="numpy")
     return done[id(function)]

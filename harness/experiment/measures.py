@@ -26,7 +26,7 @@ def needed_signals(spec: ExperimentSpec) -> Iterator[str]:
     for metric in spec.metrics.values():
         others = (metric.minus, metric.relative_to)
         yield metric.signal
-        yield from (name for name in others if isinstance(name, str))
+        yield from (name for name in (*others, *metric.norm_with) if isinstance(name, str))
 
 
 def tracking(result: Result, m: MeasureSpec) -> Metrics:
@@ -67,12 +67,17 @@ def custom(result: Result, spec: MetricSpec) -> float | None:
     values = result[spec.signal][rows]
     if spec.minus is not None:
         values = values - result[spec.minus][rows]
+    if spec.norm_with:
+        values = np.sqrt(values**2 + sum(result[name][rows] ** 2 for name in spec.norm_with))
     scale = 1.0
     if isinstance(spec.relative_to, str):
         scale = _rms(result[spec.relative_to][rows])
     elif spec.relative_to is not None:
         scale = spec.relative_to
-    return _KINDS[spec.kind](values) / scale if scale else None
+    if not scale:
+        return None
+    figure = _KINDS[spec.kind](values) / scale
+    return figure if spec.above is None else float(not figure <= spec.above)
 
 
 def _rms(values: Array) -> float:

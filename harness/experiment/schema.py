@@ -114,14 +114,18 @@ class MeasureSpec(Strict):
 
 class MetricSpec(Strict):
     """One figure of the rows between `from` and `to` (s): a `kind` of `signal`, or of its
-    difference to `minus`; `relative_to` divides it by a number, or by the RMS of a signal."""
+    difference to `minus`, or of the Euclidean norm of `signal` and the signals `norm_with`;
+    `relative_to` divides it by a number, or by the RMS of a signal. With `above` it is a question:
+    1 where the figure is not within that limit, else 0; as "lost_loop" it counts lost runs."""
 
     kind: Literal["rms", "mean", "mean_abs", "max_abs", "std", "final", "final_abs"]
     signal: str
     minus: str | None = None
+    norm_with: tuple[str, ...] = ()
     start: float | None = Field(default=None, alias="from")
     end: float | None = Field(default=None, alias="to")
     relative_to: float | str | None = None
+    above: float | None = None
 
 
 class AxisSpec(Strict):
@@ -142,10 +146,12 @@ class AxisSpec(Strict):
 
 class SweepSpec(Strict):
     """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
-    is below `below`. A run that ends early is outside."""
+    is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
+    own, the same for all variants; else one realisation decides the whole picture."""
 
     outcome: str
     below: float
+    own_seeds: bool = False
     x: AxisSpec
     y: AxisSpec
 

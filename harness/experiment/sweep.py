@@ -61,7 +61,7 @@ def run_sweep(
         raise ExperimentError(f"{experiment.path} has no table [sweep]")
     chosen = variants or experiment.variants
     for variant in chosen:
-        _point(experiment, variant, spec.x.values[0], spec.y.values[0])  # builds and compiles once
+        _point(experiment, variant, 0, 0)  # builds and compiles once
     workers = jobs or os.cpu_count() or 1
     stride = min(spec.y.count, workers * _CHUNKS)
     tasks = [
@@ -83,11 +83,11 @@ def _rows(experiment: Experiment, task: tuple[str, tuple[int, ...]]) -> NDArray[
     spec = experiment.spec.sweep
     assert spec is not None
     return np.array(
-        [[_point(experiment, variant, x, spec.y.values[i]) for x in spec.x.values] for i in rows]
+        [[_point(experiment, variant, i, j) for j in range(spec.x.count)] for i in rows]
     )
 
 
-def _point(experiment: Experiment, variant: str, x: float, y: float) -> float:
+def _point(experiment: Experiment, variant: str, i: int, j: int) -> float:
     spec = experiment.spec.sweep
     assert spec is not None
     data = copy.deepcopy(experiment.data)
@@ -96,11 +96,12 @@ def _point(experiment: Experiment, variant: str, x: float, y: float) -> float:
         if experiment.spec.variants
         else data
     )
-    for axis, value in ((spec.x, x), (spec.y, y)):
+    for axis, value in ((spec.x, spec.x.values[j]), (spec.y, spec.y.values[i])):
         _set(changes, axis.key, value)
     moved = Experiment.from_data(data, experiment.path)
+    seed = moved.spec.seed + (i * spec.x.count + j if spec.own_seeds else 0)
     try:
-        outcome = moved.run(variant).metrics.get(spec.outcome)
+        outcome = moved.run(variant, seed=seed).metrics.get(spec.outcome)
     except HarnessError as fault:
         if fault.result is None:
             raise

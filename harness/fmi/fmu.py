@@ -11,6 +11,7 @@ from harness.fmi.archive import Archive
 from harness.fmi.fmi2 import Fmi2Instance
 from harness.fmi.fmi3 import Fmi3Instance
 from harness.fmi.instance import FmuInstance
+from harness.fmi.library import unload_below
 from harness.fmi.logger import LogMessage
 from harness.fmi.model_description import read_model_description
 
@@ -51,7 +52,8 @@ class Fmu:
         return kind(self.description, self.folder, name, logging=logging, echo=echo)
 
     def close(self) -> None:
-        """Remove the unpacked files."""
+        """Unload the library where no instance is left, and remove the unpacked files."""
+        unload_below(self.folder)
         self._archive.close()
 
     def __enter__(self) -> Self:

@@ -62,6 +62,7 @@ class FmuInstance(ABC):
                 f"component {name}: FMU {description.name} could not be instantiated: "
                 f"{self.log.reasons()}"
             )
+        self._library.instances += 1
 
     prefix: str
 
@@ -128,6 +129,7 @@ class FmuInstance(ABC):
         if self.handle and not self._library.corrupted:
             function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address("FreeInstance"))
             function(self.handle)
+            self._library.instances -= 1
         self.handle = None
         forget(self._environment)
 

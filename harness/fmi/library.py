@@ -6,7 +6,6 @@ import ctypes
 import platform
 import sys
 from pathlib import Path
-from weakref import WeakValueDictionary
 
 from harness.errors import FmuError
 
@@ -40,7 +39,11 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     )
 
 
-_loaded: WeakValueDictionary[Path, Library] = WeakValueDictionary()
+# pythonfmu 0.7 frees its state twice when a process ends, which damages the heap, unless this
+# function of its library has been called before; unloading does not, since C++ keeps it loaded.
+_PYTHONFMU_FINALIZE = "finalizePythonInterpreter"
+
+_loaded: dict[Path, Library] = {}
 
 
 def load(path: Path) -> Library:
@@ -51,16 +54,31 @@ def load(path: Path) -> Library:
     return library
 
 
+def unload_below(folder: Path) -> None:
+    """Unload the libraries that lie below `folder` and have no instances left.
+
+    A library's own clean-up then runs while everything that it refers to is still there, and its
+    file can be removed on every platform. One that reported Fatal is left alone.
+    """
+    for path in [path for path in _loaded if path.is_relative_to(folder)]:
+        library = _loaded[path]
+        if library.instances == 0 and not library.corrupted:
+            del _loaded[path]
+            library.close()
+
+
 class Library:
     """A loaded shared library; `address` gives function addresses.
 
     `corrupted` is set when an instance reports Fatal: nothing in it may be called any more.
+    `instances` counts those that live.
     """
 
     def __init__(self, path: Path) -> None:
         """Load `path`; raises `FmuError` with the loader's reason."""
         self.path = path
         self.corrupted = False
+        self.instances = 0
         try:
             self._library = ctypes.CDLL(str(path))
         except OSError as fault:
@@ -72,6 +90,21 @@ class Library:
         if address is None:
             raise FmuError(f"library {self.path.name} has no function {name}")
         return address
+
+    def close(self) -> None:
+        """Unload; no address of it may be used any more."""
+        finalize = self.find(_PYTHONFMU_FINALIZE)
+        if finalize is not None:
+            ctypes.PYFUNCTYPE(None)(finalize)()
+        handle = self._library._handle
+        if sys.platform == "win32":
+            import _ctypes
+
+            _ctypes.FreeLibrary(handle)
+        else:
+            close = ctypes.CDLL(None).dlclose
+            close.argtypes = [ctypes.c_void_p]
+            close(handle)
 
     def find(self, name: str) -> int | None:
         """Address of the function `name`, or None."""

@@ -93,3 +93,23 @@ def test_faults_name_the_legal_choices() -> None:
 
     with pytest.raises(ControllerError, match="enclosing function"):
         bind(template, model=closed)
+
+
+def three(p: Array, x: Array, u: Array, y: Array) -> None:
+    model(p, x, y)
+    y[0] = 10.0 * y[0]
+    helper(p, x, u)
+    y[0] = y[0] + u[0]
+    third(p, x, u)
+    y[0] = y[0] + 100.0 * u[0]
+
+
+def third(p: Array, x: Array, rate: Array) -> None:
+    """Placeholder."""
+
+
+def test_which_function_stands_where_decides_and_not_only_which_are_named() -> None:
+    first = bind(three, model=double, helper=triple, third=double)
+    second = bind(three, model=double, helper=triple, third=triple)
+    assert compiled(first) == 100.0 + 15.0 + 1000.0
+    assert compiled(second) == 100.0 + 15.0 + 1500.0

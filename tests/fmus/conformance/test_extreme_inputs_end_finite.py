@@ -1,4 +1,4 @@
-"""Whatever the inputs do, at their nominals and ten times that, steps succeed and values are finite.
+"""Whatever the inputs do, up to ten times their nominals, steps succeed and values are finite.
 
 Each input is held at plus or minus a multiple of its nominal, a second for every combination of
 signs, with jumps in between.

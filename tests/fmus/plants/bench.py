@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from fmus.disturbance_generator.model import plant as disturbance_generator
+from fmus.electro_hydraulic_servo.model import plant as electro_hydraulic_servo
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
@@ -18,7 +19,7 @@ from fmus.single_machine_infinite_bus.model import plant as single_machine_infin
 
 Array = NDArray[np.float64]
 AXES = (hybrid_actuator, disturbance_generator)
-PLANTS = (*AXES, single_machine_infinite_bus)
+PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus)
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -30,6 +31,10 @@ STATE_RANGES = {
     "rod_displacement": (-0.0755, 0.0755),
     "rod_velocity": (-0.3, 0.3),
     "load_cell_force": (-5e4, 5e4),
+    "position": (-0.05, 0.05),
+    "velocity": (-0.1, 0.1),
+    "load_pressure": (-95e5, 95e5),
+    "spool_position": (-1e-5, 1e-5),
     "angle_deviation": (-4.0, 4.0),
     "speed": (-12.0, 12.0),
 }
@@ -38,16 +43,19 @@ INPUT_RANGES = {
     "environment_position": (-0.05, 0.05),
     "environment_velocity": (-0.3, 0.3),
     "spring_force": (-3e4, 3e4),
+    "current": (-2e-3, 2e-3),
+    "current_error": (-1e-3, 1e-3),
+    "load_force": (-1e3, 1e3),
     "field_deviation": (-10.0, 10.0),
     "mechanical_power_deviation": (-0.5, 0.5),
 }
 
 
 def draw(plant: Plant, rng: np.random.Generator) -> tuple[Array, Array]:
-    """A random state and input; pressures log-uniform, so that thin oil is drawn as well."""
+    """A random state and input; absolute pressures log-uniform, so that thin oil is drawn too."""
     x = np.array([rng.uniform(*STATE_RANGES[s.name]) for s in plant.states])
     for i, state in enumerate(plant.states):
-        if state.unit == "Pa":
+        if state.unit == "Pa" and STATE_RANGES[state.name][0] > 0.0:
             x[i] = np.exp(rng.uniform(*np.log(STATE_RANGES[state.name])))
     return x, np.array([rng.uniform(*INPUT_RANGES[v.name]) for v in plant.inputs])
 

@@ -21,6 +21,7 @@ from fmus.plant import Plant
 from tests.fmus.plants.bench import (
     Simulator,
     disturbance_generator,
+    electro_hydraulic_servo,
     hybrid_actuator,
     single_machine_infinite_bus,
 )
@@ -42,6 +43,12 @@ def generator_inputs(t: float) -> tuple[float, ...]:
     return command, 1500.0 * (1 - cos(2 * pi * 2 * t))
 
 
+def servo_inputs(t: float) -> tuple[float, ...]:
+    """1 mA, then a reversal, with a current error and an outside force that swing."""
+    current = 1e-3 if t < 0.2 else -2e-3
+    return current, 1e-4 * sin(2 * pi * 7 * t), 100.0 * sin(2 * pi * 3 * t)
+
+
 def machine_inputs(t: float) -> tuple[float, ...]:
     """A pulse of the field that starts a swing, then a sine; a step of power."""
     field = 0.8 if t < 0.2 else 0.3 * sin(2 * pi * 1.5 * t)
@@ -51,6 +58,7 @@ def machine_inputs(t: float) -> tuple[float, ...]:
 CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
     (hybrid_actuator, hybrid_inputs),
     (disturbance_generator, generator_inputs),
+    (electro_hydraulic_servo, servo_inputs),
     (single_machine_infinite_bus, machine_inputs),
 )
 

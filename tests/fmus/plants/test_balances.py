@@ -6,7 +6,7 @@ import pytest
 
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
-from tests.fmus.plants.bench import PLANTS, draw
+from tests.fmus.plants.bench import AXES, draw
 
 SEED = 1
 
@@ -36,14 +36,14 @@ def samples(plant: Plant, output: str):
         yield float(rate), dict(zip((v.name for v in plant.outputs), y.full().ravel(), strict=True))
 
 
-@pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
+@pytest.mark.parametrize("plant", AXES, ids=lambda plant: plant.name)
 def test_mass_in_the_chambers_changes_by_what_the_reservoir_gives(plant):
     for rate, y in samples(plant, "fluid_mass"):
         through = abs(y["pump_flow"]) * 870 + abs(y["reservoir_flow"]) + 1.0
         assert abs(rate - y["reservoir_flow"]) < 1e-11 * through
 
 
-@pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
+@pytest.mark.parametrize("plant", AXES, ids=lambda plant: plant.name)
 def test_stored_energy_changes_by_supply_less_losses(plant):
     for rate, y in samples(plant, "stored_energy"):
         delivered = y["environment_power"] if "environment_power" in y else -y["spring_power"]

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from tests.fmus.plants.bench import PLANTS, Simulator
+from tests.fmus.plants.bench import AXES, Simulator
 
 
 def value(plant, name: str) -> float:
@@ -20,7 +20,7 @@ def into_end_stop(plant):
     )
 
 
-@pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
+@pytest.mark.parametrize("plant", AXES, ids=lambda plant: plant.name)
 def test_stalled_against_the_end_stop(plant):
     run = into_end_stop(plant)
     limit, displacement = value(plant, "torque_limit"), value(plant, "pump_displacement") / (2 * pi)
@@ -36,7 +36,7 @@ def test_stalled_against_the_end_stop(plant):
     assert difference == pytest.approx(stall, rel=1e-3)
 
 
-@pytest.mark.parametrize("plant", PLANTS, ids=lambda plant: plant.name)
+@pytest.mark.parametrize("plant", AXES, ids=lambda plant: plant.name)
 def test_shaft_power_stays_within_the_power_limit_at_steady_speed(plant):
     """A load that would take more than rated power slows the motor down."""
     changed = {"pump_viscous_torque": 0.2}

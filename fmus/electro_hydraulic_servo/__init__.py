@@ -1,0 +1,1 @@
+"""The electro-hydraulic servo of Raheem (2013)."""
