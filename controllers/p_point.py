@@ -30,15 +30,18 @@ from controllers.errors import require
 # A score as the kernels read it: ψ is inner·tan(slope·γ) inside γ_p and ±tail outside.
 KIND, GAMMA_P, SLOPE, INNER, TAIL, FACTOR, ALPHA_E = range(7)
 N_SCORE = 7
-GAUSSIAN_SCORE, P_POINT_SCORE = 0, 1
+GAUSSIAN_SCORE, P_POINT_SCORE, SCALED_SCORE = 0, 1, 2
 
 _MINIMUM_P = 1e-9  # below it s_m cannot be told from 1/π in double precision
 
 
 def score(q: Array, gamma: float) -> float:
-    """ψ(γ): γ itself for the Gaussian, (30) with sign(γ) for the p-point estimator."""
+    """ψ(γ): γ itself for the Gaussian, (30) with sign(γ) for the p-point estimator, a multiple of
+    γ for a scaled gain."""
     if int(q[KIND]) == GAUSSIAN_SCORE:
         return gamma
+    if int(q[KIND]) == SCALED_SCORE:
+        return float(q[INNER] * gamma)
     if gamma > q[GAMMA_P]:
         return float(q[TAIL])
     if gamma < -q[GAMMA_P]:

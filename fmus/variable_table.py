@@ -22,7 +22,10 @@ PLANTS = (
     "disturbance_generator",
     "electro_hydraulic_servo",
     "single_machine_infinite_bus",
+    "two_mass_drive",
 )
+
+_ROUNDING = 1e-9  # in 1/s: a smaller real part is the rounding of one that is zero
 
 
 class ReadmeError(Exception):
@@ -93,9 +96,10 @@ def _eigenvalues(plant: Plant, point: WorkingPoint) -> tuple[str, str, str]:
 
 
 def _complex(value: np.complex128) -> str:
+    real = value.real if abs(value.real) > _ROUNDING else 0.0
     if value.imag == 0:
-        return f"{value.real:.3g}"
-    return f"{value.real:.3g} ± {value.imag:.3g} i"
+        return f"{real:.3g}"
+    return f"{real:.3g} ± {value.imag:.3g} i"
 
 
 def _g(value: float) -> str:

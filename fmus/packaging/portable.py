@@ -33,6 +33,7 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from {package}.equations import MODEL
+from {package}.exit_order import release_python_before_exit
 from {package}.instance import Instance, StepError
 
 
@@ -40,6 +41,7 @@ class {name}(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self._instance = Instance(MODEL)
+        release_python_before_exit(self.resources)
 
     def setup_experiment(self, start_time, stop_time, tolerance):
         self._instance.setup_experiment(start_time, stop_time, tolerance)

@@ -12,7 +12,7 @@ from harness.errors import ExperimentError, HarnessError, RecordingError, UsageE
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
 from harness.experiment.report import write_report
-from harness.experiment.study import median, run_study
+from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
 
@@ -147,14 +147,30 @@ def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
     yield "experiment", "variant", "seeds", *heads, "loop lost [95 %]"
     for name, study in studies.items():
         for variant in study.runs:
-            lost = study.lost(variant)
             yield (
                 name,
                 study.experiment.label(variant),
                 str(len(study.seeds)),
-                *(median(study.values(variant, metric)) for metric in metrics),
-                f"{100 * lost.share:.0f} % [{100 * lost.low:.0f}, {100 * lost.high:.0f}]",
+                *(_median_of(study, variant, metric) for metric in metrics),
+                _lost_of(study, variant),
             )
+
+
+def _median_of(study: Study, variant: str, metric: str) -> str:
+    """The median, or nothing where the experiment has no such metric."""
+    return median(study.values(variant, metric)) if _knows(study, metric) else ""
+
+
+def _lost_of(study: Study, variant: str) -> str:
+    """The share of lost loops, or nothing where the experiment controls none."""
+    if not _knows(study, LOST):
+        return ""
+    lost = study.lost(variant)
+    return f"{100 * lost.share:.0f} % [{100 * lost.low:.0f}, {100 * lost.high:.0f}]"
+
+
+def _knows(study: Study, metric: str) -> bool:
+    return any(metric in run for runs in study.runs.values() for run in runs)
 
 
 def markdown(rows: Iterable[tuple[str, ...]]) -> str:

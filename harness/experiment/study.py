@@ -50,7 +50,7 @@ class Study:
         """The share of runs in which the variant loses the loop."""
         spec = self.experiment.spec.study
         assert spec is not None
-        happened = [bool(metrics.get(LOST, 0.0)) for metrics in self.runs[variant]]
+        happened = [bool(metrics.get(LOST, not metrics)) for metrics in self.runs[variant]]
         return share(happened, confidence=spec.confidence)
 
     def frame(self) -> pd.DataFrame:

@@ -57,7 +57,7 @@ def test_model_exchange_within_the_solvers_tolerance(
 ) -> None:
     """CVode integrates the FMU's equations; it is held to the reference as our solver is."""
     names = [state.name for state in excited.plant.states]
-    found = fmpy_run(fmu, excited, "ModelExchange", names, 1e-9)
+    found = fmpy_run(fmu, excited, "ModelExchange", names, 1e-10)
     span = np.ptp(exact, axis=0)
     assert np.all(np.abs(found - exact) <= ME_SHARE * span)
     assert np.all(np.abs(found - excited.states) <= 1e-5 * span)

@@ -16,10 +16,11 @@ from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
 from fmus.plant import Plant
 from fmus.single_machine_infinite_bus.model import plant as single_machine_infinite_bus
+from fmus.two_mass_drive.model import plant as two_mass_drive
 
 Array = NDArray[np.float64]
 AXES = (hybrid_actuator, disturbance_generator)
-PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus)
+PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus, two_mass_drive)
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -37,6 +38,11 @@ STATE_RANGES = {
     "spool_position": (-1e-5, 1e-5),
     "angle_deviation": (-4.0, 4.0),
     "speed": (-12.0, 12.0),
+    "torque_loop": (-3.0, 3.0),
+    "speed_1": (-1.5, 1.5),
+    "speed_2": (-1.5, 1.5),
+    "elastic_torque": (-3.0, 3.0),
+    "angle_1": (-1e3, 1e3),
 }
 INPUT_RANGES = {
     "command": (-1.2, 1.2),
@@ -48,6 +54,9 @@ INPUT_RANGES = {
     "load_force": (-1e3, 1e3),
     "field_deviation": (-10.0, 10.0),
     "mechanical_power_deviation": (-0.5, 0.5),
+    "torque_reference": (-4.0, 4.0),
+    "load_torque": (-1.5, 1.5),
+    "load_time_constant": (0.01, 1.0),
 }
 
 

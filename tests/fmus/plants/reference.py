@@ -24,6 +24,7 @@ from tests.fmus.plants.bench import (
     electro_hydraulic_servo,
     hybrid_actuator,
     single_machine_infinite_bus,
+    two_mass_drive,
 )
 
 STOP_TIME = 0.4
@@ -55,11 +56,18 @@ def machine_inputs(t: float) -> tuple[float, ...]:
     return field, 0.1 if t >= 0.25 else 0.0
 
 
+def drive_inputs(t: float) -> tuple[float, ...]:
+    """Start beyond the torque limit, a load step, a flywheel that is coupled at 0.25 s."""
+    torque = 3.5 if t < 0.1 else 0.6 * cos(2 * pi * 8 * t)
+    return torque, 0.5 if t >= 0.15 else 0.0, 0.203 if t < 0.25 else 0.406
+
+
 CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
     (hybrid_actuator, hybrid_inputs),
     (disturbance_generator, generator_inputs),
     (electro_hydraulic_servo, servo_inputs),
     (single_machine_infinite_bus, machine_inputs),
+    (two_mass_drive, drive_inputs),
 )
 
 
