@@ -22,14 +22,19 @@ def assert_close(found, expected, tolerance):
         assert np.abs(one - other).max() <= tolerance * max(np.abs(other).max(), 1.0)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=200, deadline=None, derandomize=True)
 @given(
-    seed=st.integers(0, 10_000), n=st.integers(1, 6), m=st.integers(1, 3), T=st.floats(1e-4, 3.0)
+    seed=st.integers(0, 10_000),
+    n=st.integers(1, 6),
+    m=st.integers(1, 3),
+    size=st.floats(1e-4, 3.0),
 )
-def test_any_model(seed, n, m, T):
+def test_any_model_sampled_up_to_three_of_its_time_constants(seed, n, m, size):
+    """‖A‖·T is `size`: beyond, the condition of the exponential is what is measured."""
     rng = np.random.default_rng(seed)
     A, B = rng.normal(size=(n, n)), rng.normal(size=(n, m))
-    assert_close(held(A, B, T), exact(A, B, T), 1e-12)
+    T = size / np.abs(A).sum(axis=1).max()
+    assert_close(held(A, B, T), exact(A, B, T), 2e-13)
 
 
 @pytest.mark.parametrize("T_2", [0.05, 0.203, 0.6])
