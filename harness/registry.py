@@ -95,7 +95,7 @@ def _load(group: str, name: str, what: str) -> Any:
         return known[name].load()
     if ":" not in name:
         raise UsageError(
-            f"no {what} {name!r}; {nearest(name, known)}, or 'package.module:object' for your own"
+            f"no {what} {name!r}; {nearest(name, known)} (or 'package.module:object' for your own)"
         )
     module, _, attribute = name.partition(":")
     try:
