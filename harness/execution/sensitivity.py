@@ -142,4 +142,4 @@ class Linearisation:
             else:
                 yield [op.CALL_7, *head, column]
         arrays = (self.parameters, self.work, self.jacobian)
-        yield [op.CALL_4, self.compiled.address, *(a.ctypes.data for a in arrays), target]
+        yield self.compiled.operation(*(a.ctypes.data for a in arrays), target)
