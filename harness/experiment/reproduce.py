@@ -71,6 +71,7 @@ def reproduce(
     `fast` takes the subset that the experiments declare: enough to see that all of it works, not
     to decide.
     """
+    _check_claims(paper)
     evidence: dict[str, Evidence] = {}
     pictures: dict[str, tuple[Path, ...]] = {}
     workers = workers or Workers(1)
@@ -79,14 +80,18 @@ def reproduce(
         experiment = experiment.fast() if fast else experiment
         evidence[name], pictures[name] = _run(experiment, output / name, workers, report)
 
-    def find(name: str) -> Evidence:
-        if name not in evidence:
-            raise UsageError(f"claims of {paper.name}: no experiment {name!r}; "
-                             f"{nearest(name, evidence)}")  # fmt: skip
-        return evidence[name]
-
-    verdicts = tuple(judge(claim, find) for claim in paper.claims.claims)
+    verdicts = tuple(judge(claim, evidence.__getitem__) for claim in paper.claims.claims)
     return Reproduction(paper, verdicts, evidence, pictures, fast)
+
+
+def _check_claims(paper: Paper) -> None:
+    for claim in paper.claims.claims:
+        for test in (claim.test, claim.given):
+            if test is not None and test.experiment not in paper.experiments:
+                raise UsageError(
+                    f"claim {claim.id} of {paper.name}: no experiment {test.experiment!r}; "
+                    f"{nearest(test.experiment, paper.experiments)}"
+                )
 
 
 def _run(
