@@ -83,7 +83,7 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
         drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
     elif not spec.plots:
         for name, result in results.items():  # a label would make a poor file name
-            text = f"{title}: {experiment.label(name)}"
+            text = f"{title}\n{experiment.label(name)}"
             drawn[name] = signals_plot(result, result.names, title=text)
     for name, plot in spec.plots.items():
         chosen = {

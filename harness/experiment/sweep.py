@@ -165,12 +165,14 @@ def _set(data: Table, key: str, value: float) -> None:
 
 
 def region_plot(experiment: Experiment, regions: dict[str, Region]) -> Figure:
-    """One image a variant: points inside dark, with their share in the title."""
+    """One image a variant: points inside dark, with their share in the title; the number of points
+    is in the title of the whole."""
     width = min(len(regions), 3)
     height = -(-len(regions) // width)
     figure = Figure(figsize=(3.4 * width + 0.6, 3.4 * height + 0.6), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(experiment.spec.title)
+    sweep = _spec(experiment)
+    figure.suptitle(f"{experiment.spec.title}\ngrid of {sweep.x.count} × {sweep.y.count} points")
     panels = figure.subplots(height, width, squeeze=False).ravel()
     for panel in panels[len(regions) :]:
         panel.set_visible(False)
