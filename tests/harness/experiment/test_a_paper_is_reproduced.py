@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.cli.main import run_command_line
 from harness.errors import ExperimentError, RecordingError, UsageError
 from harness.experiment.claims import FAILS, HOLDS, UNTESTABLE
 from harness.experiment.experiment import Experiment
@@ -98,3 +99,8 @@ def test_claims_about_what_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"no experiment 'machin'; did you mean 'machine'"):
         reproduce(wrong, tmp_path / "out")
     assert not (tmp_path / "out").exists()  # said before anything is run
+
+
+def test_verdicts_of_the_fast_subset_go_into_no_readme(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_command_line(["reproduce", "takata", "--fast", "--update"]) == 2
+    assert "--update does not go with --fast" in capsys.readouterr().err
