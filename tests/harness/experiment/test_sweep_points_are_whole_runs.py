@@ -13,7 +13,7 @@ X = "components.plant.start_values.angle_deviation"
 SPEED = "components.plant.start_values.speed"
 
 
-def outcomes(folder: Path, text: str, y_key: str, own_seeds: bool, variant: str) -> np.ndarray:
+def outcomes(folder: Path, text: str, own_seeds: bool, variant: str) -> np.ndarray:
     """The same points one by one, from files that say so."""
     sweep = load(folder, text).spec.sweep
     assert sweep is not None
@@ -21,7 +21,7 @@ def outcomes(folder: Path, text: str, y_key: str, own_seeds: bool, variant: str)
     for i, y in enumerate(sweep.y.values):
         for j, x in enumerate(sweep.x.values):
             seed = 3 + (i * sweep.x.count + j if own_seeds else 0)
-            moved = load(folder, text, f"{X}={x!r}", f"{y_key}={y!r}")
+            moved = load(folder, text, f"{sweep.x.key}={x!r}", f"{sweep.y.key}={y!r}")
             found.append(moved.run(variant, seed=seed).metrics["distance"])
     return np.array(found, dtype=float).reshape(sweep.y.count, sweep.x.count)
 
@@ -32,19 +32,18 @@ def test_start_values_of_an_fmu(tmp_path: Path, own_seeds: bool) -> None:
     regions = run_sweep(load(tmp_path, text))
     assert set(regions) == {"light", "heavy"}
     for variant, region in regions.items():
-        expected = outcomes(tmp_path, text, SPEED, own_seeds, variant)
+        expected = outcomes(tmp_path, text, own_seeds, variant)
         assert region.outcome.tobytes() == expected.tobytes()
         assert region.share == np.mean(expected < 1.0)
     assert not np.array_equal(regions["light"].outcome, regions["heavy"].outcome)
 
 
-def test_other_settings(tmp_path: Path) -> None:
-    text = MACHINE.replace(f'key = "{SPEED}"', 'key = "stop_time"')
-    text = text.replace("from = -1.0\nto = 4.0", "from = 0.2\nto = 0.4")
-    region = run_sweep(load(tmp_path, text), ("light",))["light"]
-    assert (
-        region.outcome.tobytes() == outcomes(tmp_path, text, "stop_time", True, "light").tobytes()
-    )
+def test_other_settings_along_a_row_and_along_a_column(tmp_path: Path) -> None:
+    for key, span in ((X, "from = -0.5\nto = 0.5"), (SPEED, "from = -1.0\nto = 4.0")):
+        text = MACHINE.replace(f'key = "{key}"', 'key = "stop_time"')
+        text = text.replace(span, "from = 0.2\nto = 0.4")
+        region = run_sweep(load(tmp_path, text), ("light",))["light"]
+        assert region.outcome.tobytes() == outcomes(tmp_path, text, True, "light").tobytes()
 
 
 def test_a_point_that_ends_early_is_outside(tmp_path: Path) -> None:
