@@ -27,7 +27,8 @@ from harness.results.comparison import share
 HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
 UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
 REGION = "region_share"
-"""The metric of a sweep: the share of its points that are inside."""
+"""The metric of a sweep: the share of its points that are inside. Where each point has noise of its
+own, the points count as runs, and the share has an interval."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +203,7 @@ def figure(test: CriterionSpec, evidence: Source) -> Figure:
     what is to be paired has not the same seeds."""
     seeds, values = _values(test.own, evidence)
     if test.other == test.own:
-        if test.metric == LOST and seeds:
+        if test.metric in (LOST, REGION) and seeds:
             s = share([bool(value) for value in values])
             return Figure(s.share, s.low, s.high, len(values))
         return _summary(values)
@@ -229,7 +230,11 @@ def _values(place: Place, source: Source) -> tuple[tuple[int, ...], list[float |
     evidence = source(place.experiment)
     if place.metric == REGION:
         _known("sweep of variant", place.variant, evidence.regions, place)
-        return (), [evidence.regions[place.variant].share]
+        region = evidence.regions[place.variant]
+        if region.spec.own_seeds:  # each point is a run of its own, and the share an estimate
+            inside = [float(one) for one in region.inside.ravel()]
+            return tuple(range(len(inside))), list(inside)
+        return (), [region.share]
     runs: Mapping[str, Sequence[Mapping[str, float | None]]]
     if evidence.study is not None:
         seeds, runs = evidence.study.seeds, evidence.study.runs

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, figure, judge
+from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, Figure, figure, judge
 from harness.experiment.experiment import Experiment
 from harness.experiment.schema import SweepSpec
 from harness.experiment.study import LOST, Study
@@ -78,13 +78,29 @@ def test_lost_loops_are_a_share_with_an_interval_of_its_own() -> None:
     assert verdict({"metric": LOST, "below": 0.1}) == "undecided"
 
 
-def test_shares_of_regions_are_compared_as_they_are() -> None:
+def found_region(own_seeds: bool, against: str | None = None) -> Figure:
+    """Wide has three of its four points inside, small one of these."""
     axis = {"key": "a", "from": 0.0, "to": 1.0, "count": 2}
-    sweep = SweepSpec.model_validate({"outcome": "error", "below": 1.0, "x": axis, "y": axis})
+    sweep = SweepSpec.model_validate(
+        {"outcome": "error", "below": 1.0, "x": axis, "y": axis, "own_seeds": own_seeds}
+    )
     outcomes = {"wide": [[0.0, 0.5], [0.9, 1.0]], "small": [[0.0, 1.0], [math.nan, 2.0]]}
     regions = {name: Region(name, sweep, np.array(rows)) for name, rows in outcomes.items()}
     test = CriterionSpec(
-        experiment="loop", variant="wide", against="small", metric="region_share", above=0.4
+        experiment="loop", variant="wide", against=against, metric="region_share", above=0.4
     )
-    ours = figure(test, lambda name: Evidence({}, None, regions))
-    assert (ours.value, ours.low, ours.high) == (0.5, 0.5, 0.5)
+    return figure(test, lambda name: Evidence({}, None, regions))
+
+
+def test_shares_of_regions_are_compared_as_they_are() -> None:
+    assert found_region(own_seeds=False) == Figure(0.75, 0.75, 0.75, 1)
+    assert found_region(own_seeds=False, against="small") == Figure(0.5, 0.5, 0.5, 1)
+
+
+def test_points_with_noise_of_their_own_are_runs() -> None:
+    share = found_region(own_seeds=True)
+    assert (share.value, share.runs) == (0.75, 4)
+    assert 0.2 < share.low < 0.4 and 0.9 < share.high < 1.0
+    difference = found_region(own_seeds=True, against="small")  # 0, 1, 1, 0 point by point
+    assert (difference.value, difference.runs) == (0.5, 4)
+    assert difference.low < 0.0 < 1.0 < difference.high
