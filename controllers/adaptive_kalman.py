@@ -15,9 +15,9 @@ obeys at once and 1 for a reading of what acted; a command that arrives late lie
 `kalman_block` makes the block of any model; `controllers.two_mass_kalman` is an example.
 
 Why a block beside `controllers.estimator`, which has the same kernels: that one integrates a model
-in continuous time and derives Φ and the noise of a sample from it. Here Q is what the designer says,
-the model of a sample is given whole, with parameters that change from one to the next, and what
-adaptation acts on lies between the kernels. A filter of both kinds would be the sum of the two.
+in continuous time, and derives Φ and the noise of a sample from it. Here the designer gives Q and
+the model of a sample, whose parameters change from one to the next, and what adaptation acts on
+lies between the kernels. A filter of both kinds would be the sum of the two.
 """
 
 from __future__ import annotations
