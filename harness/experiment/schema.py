@@ -166,10 +166,12 @@ class SweepSpec(Strict):
 
 
 class PlotSpec(Strict):
-    """One picture: `signals` over time, of all variants, in one panel a signal; or the
-    `membership` functions of a controller before and after the run, of the first variant."""
+    """One picture: `signals` over time, of all variants, in one panel a signal; with `over`, as
+    surfaces over two other signals; or the `membership` functions of a controller before and after
+    the run. The latter two are drawn of the first variant."""
 
     signals: tuple[str, ...] = ()
+    over: tuple[str, str] | None = None
     membership: str | None = None
     title: str = ""
     variants: tuple[str, ...] = ()
