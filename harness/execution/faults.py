@@ -9,7 +9,17 @@ import numpy as np
 from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
-from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
+from harness.execution.actions import (
+    Action,
+    Compute,
+    Iterate,
+    Linearise,
+    Read,
+    Restore,
+    Save,
+    Step,
+    Write,
+)
 from harness.execution.exchange import encode
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
@@ -38,6 +48,8 @@ def explain(
             f"component {name}: {_call_name(action)} {when} returned before the end of the step, "
             "although early return was not allowed at instantiation; report it to its maker"
         )
+    if outcome == op.NOT_CONVERGED:
+        return SimulationError(_not_converged(program, when))
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
     if outcome == op.OUT_OF_RANGE:
@@ -62,6 +74,25 @@ def explain(
     return SimulationError(
         f"component {instance.name}: {_call_name(action)} {when} returned {label}: "
         f"{instance.log.reasons()}"
+    )
+
+
+def _not_converged(program: Program, when: str) -> str:
+    action = program.owners[int(program.clock[OPERATION])]
+    assert isinstance(action, Iterate)
+    iteration = program.iterations[action]
+    residuals = iteration.residuals(program.v)
+    worst = int(np.argmax(residuals))
+    wire = action.wires[worst]
+    limits = iteration.convergence
+    stepping = any(isinstance(inner, Step) for inner in action.body)
+    way_out = "take smaller communication steps, " if stepping else ""
+    return (
+        f"coupling {wire.source} -> {wire.target} {when} did not converge in "
+        f"{limits.max_iterations} repetitions: {wire.target} = "
+        f"{program.v[iteration.assumed[worst]]:.9g} would have to be "
+        f"{program.v[iteration.found[worst]]:.9g} (relative residual {residuals[worst]:.3g}, "
+        f"tolerance {limits.tolerance:g}); {way_out}allow more repetitions or a larger tolerance"
     )
 
 
@@ -101,7 +132,7 @@ def _fmu_of(program: Program, action: Action) -> str:
     if isinstance(action, Linearise):
         component = program.plan.lowered.component(action.component)
         return str(getattr(component, "component", action.component))
-    assert isinstance(action, (Read, Write, Step, Compute))
+    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore))
     return action.component
 
 
@@ -113,6 +144,10 @@ def _call_name(action: Action) -> str:
             return f"setting {', '.join(action.inputs)}"
         case Step():
             return f"doStep by {show(action.step_ns)}"
+        case Save():
+            return "getting the FMU state"
+        case Restore():
+            return "setting the FMU state"
         case Linearise():
             return "directional derivative"
     return type(action).__name__

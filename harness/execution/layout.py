@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from harness.execution import operations as op
-from harness.execution.actions import Read, View
+from harness.execution.actions import Keep, Read, View, flat
 from harness.execution.plan import Plan
 from harness.fmi.model_description import ModelDescription, Variable
 from harness.system.graph import Endpoint
@@ -81,13 +81,12 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
             for signal in signals:
                 slots[Endpoint(component.name, signal.name)] = len(slots)
     rank = {end: i for i, end in enumerate(slots)}
-    others: set[tuple[View, Endpoint]] = {
-        (action.view, Endpoint(action.component, name))
-        for actions in plan.patterns
-        for action in actions
-        if isinstance(action, Read) and action.view != "present"
-        for name in action.outputs
-    }
+    others: set[tuple[View, Endpoint]] = set()
+    for action in flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]):
+        if isinstance(action, (Keep, Read)):
+            view = action.view if isinstance(action, Read) else "previous"
+            others |= {(view, Endpoint(action.component, name)) for name in action.outputs}
+    others = {(view, end) for view, end in others if view != "present"}
     ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
     views = {other: len(slots) + i for i, other in enumerate(ordered)}
     return Layout(slots, views, len(slots) + len(views))

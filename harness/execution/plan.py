@@ -8,17 +8,18 @@ At each instant, in this order (the timing contract):
     3  what they computed goes to the FMU inputs and into delay lines, a row is recorded
     4  FMUs step to their next instant
 
-Jacobi and Gauss–Seidel differ in part 4 only: Jacobi writes all inputs and then steps all FMUs;
-Gauss–Seidel steps them one after the other, each with what those before it have reached.
+The algorithms by which FMUs are coupled differ in part 4 only, which is `master`'s.
 
-It refuses rates that do not divide one another, loops of blocks without delay, and cycles that
-would need more than `MAX_ACTIONS` actions.
+It refuses rates that do not divide one another, loops of blocks without delay, loops of direct
+feedthrough unless they are to be solved, and cycles that would need more than `MAX_ACTIONS`
+actions.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import networkx as nx
 
@@ -28,17 +29,18 @@ from harness.execution.actions import (
     Action,
     Compute,
     Instant,
+    Iterate,
     Linearise,
     Read,
     Record,
     Sample,
-    Step,
     Transfer,
     View,
     Write,
 )
 from harness.execution.calendar import Calendar, Event, Role
-from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
+from harness.execution.coupling import Feeding, Stage, coupling_stages, feeding_inputs
+from harness.execution.master import Master, by_component, strong_groups
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (
     Component,
@@ -110,13 +112,16 @@ class _Planner:
         self._check_size()
         self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
         self._check_stop()
+        self._join_grids()
         self.blocks = self._order_blocks()
-        self.stages = self._reading_stages()
+        self.stages = self._reading_stages(partial(feeding_inputs, descriptions=descriptions))
+        self.initial_stages = self._reading_stages(
+            partial(feeding_inputs, descriptions=descriptions, initially=True)
+        )
         self.fresh = self._fresh_stages()
         self.written = self._written()
-        self.written_of = _by_component(self.written)
-        self.wires_before = self._wires_from_before()
-        self.reached = _by_component(w.source for ws in self.wires_before.values() for w in ws)
+        self.written_of = by_component(self.written)
+        self.master = Master(lowered, descriptions, self.grid, self.written_of)
 
     def plan(self) -> Plan:
         instants = self._calendar().instants()
@@ -127,7 +132,7 @@ class _Planner:
             self.cycle_ns,
             tuple(Instant(offset, patterns[events]) for offset, events in instants),
             tuple(self._initial_actions()),
-            tuple(end for stage in self.stages for end in stage.outputs),
+            tuple(end for stage in self.stages for end in stage.every_output),
             self.written,
             self.recorded,
         )
@@ -169,6 +174,28 @@ class _Planner:
                     f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
                     f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
                 )
+
+    def _join_grids(self) -> None:
+        """FMUs that repeat their steps together communicate at the same instants."""
+        for group in strong_groups(self.lowered) if self.system.algorithm == "iterative" else ():
+            steps = {self.fmus[name].step_ns for name in group}
+            if len(steps) > 1:
+                text = ", ".join(f"{name} {show(self.fmus[name].step_ns)}" for name in group)
+                raise TimingError(
+                    f"the iterative algorithm repeats the steps of FMUs that drive each other "
+                    f"together, so their steps must be equal: {text}"
+                )
+            joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
+            for name in group:
+                capabilities = self.descriptions[name].co_simulation
+                fixed = capabilities is not None and not capabilities.can_handle_variable_step
+                if fixed and self.grid[name] != joined:
+                    raise TimingError(
+                        f"a delayed value arrives between the steps of FMUs that step together "
+                        f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
+                        "that is a multiple of it"
+                    )
+                self.grid[name] = joined
 
     def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
         offsets = set(range(0, self.cycle_ns, fmu.step_ns))
@@ -243,13 +270,14 @@ class _Planner:
         recorded = [end for end in self.recorded if end.component in self.fmus]
         return [*wired, *(end for end in recorded if end not in inputs)]
 
-    def _reading_stages(self) -> tuple[Stage, ...]:
+    def _reading_stages(self, feeding: Feeding) -> tuple[Stage, ...]:
         def known(wire: Wire) -> bool:
             source = self.by_name[wire.source.component]
             return isinstance(source, (FmuComponent, SignalComponent))
 
         wires = [w for w in self.lowered.wires if w.target.component in self.fmus and known(w)]
-        return coupling_stages(self._fmu_sources(), wires, self.descriptions)
+        solve = self.system.solves_loops
+        return coupling_stages(self._fmu_sources(), wires, feeding, solve=solve)
 
     def _fresh_stages(self) -> tuple[Stage, ...]:
         """How outputs that depend directly on what blocks have just computed reach other FMUs."""
@@ -271,10 +299,11 @@ class _Planner:
         if not outputs:
             return ()
         inner = [w for w in wires if w.source in outputs]
-        return coupling_stages(outputs, inner, self.descriptions)
+        feeding = partial(feeding_inputs, descriptions=self.descriptions)
+        return coupling_stages(outputs, inner, feeding, solve=self.system.solves_loops)
 
     def _written(self) -> tuple[Endpoint, ...]:
-        early = [wire.target for stage in self.stages for wire in stage.wires]
+        early = [wire.target for stage in self.stages for wire in stage.every_wire]
         every = [w.target for w in self.lowered.wires if w.target.component in self.fmus]
         return tuple(dict.fromkeys([*early, *every]))
 
@@ -311,7 +340,7 @@ class _Planner:
             yield Transfer(tuple(self.wires_to[name]))
         if names[Role.RECORD]:
             yield Record()
-        yield from self._steps(due)
+        yield from self.master.steps(due)
 
     def _compute(self, component: Component) -> Iterator[Action]:
         if self.wires_to[component.name]:
@@ -322,14 +351,16 @@ class _Planner:
         self, stages: tuple[Stage, ...], due: Collection[str], view: View = "present"
     ) -> Iterator[Action]:
         for stage in stages:
-            wires = tuple(w for w in stage.wires if w.target.component in due)
-            if wires:
-                yield Transfer(wires, view)
-                targets = _by_component(w.target for w in wires)
-                yield from (Write(name, inputs) for name, inputs in targets.items())
-            outputs = [end for end in stage.outputs if end.component in due]
-            for name, variables in _by_component(outputs).items():
-                yield Read(name, variables, view)
+            yield from _pass_on([w for w in stage.wires if w.target.component in due], view)
+            for loop in stage.loops:
+                wires = [w for w in loop.wires if w.target.component in due]
+                yield from _pass_on([w for w in wires if w.source.component not in due], view)
+                yield from _solve(
+                    tuple(w for w in wires if w.source.component in due),
+                    _reads((end for end in loop.outputs if end.component in due), view),
+                    view,
+                )
+            yield from _reads((end for end in stage.outputs if end.component in due), view)
 
     def _apply(self, due: Collection[str]) -> Iterator[Action]:
         wires = tuple(wire for name in due for wire in self.wires_to[name])
@@ -338,36 +369,15 @@ class _Planner:
         if self.fresh:
             yield from self._write(due)
             yield from self._staged(self.fresh, due, "applied")
-            outputs = {end for stage in self.fresh for end in stage.outputs}
+            outputs = {end for stage in self.fresh for end in stage.every_output}
             moved = tuple(wire for wire in wires if wire.source in outputs)
             yield Transfer(moved, "applied")
 
     def _write(self, due: Iterable[str]) -> Iterator[Action]:
         yield from (Write(name, self.written_of[name]) for name in due if name in self.written_of)
 
-    def _steps(self, due: Mapping[str, int]) -> Iterator[Action]:
-        if self.system.algorithm == "jacobi":
-            yield from self._write(due)
-            yield from (Step(name, step_ns) for name, step_ns in due.items())
-            return
-        for name, step_ns in due.items():
-            if self.wires_before[name]:
-                yield Transfer(self.wires_before[name], "reached")
-            yield from self._write([name])
-            yield Step(name, step_ns)
-            if name in self.reached:
-                yield Read(name, self.reached[name], "reached")
-
-    def _wires_from_before(self) -> dict[str, tuple[Wire, ...]]:
-        """By FMU: the wires from those that step before it."""
-        place = {name: i for i, name in enumerate(self.fmus)}
-        return {
-            name: tuple(w for w in self.wires_to[name] if place.get(w.source.component, i) < i)
-            for name, i in place.items()
-        }
-
     def _initial_actions(self) -> Iterator[Action]:
-        yield from self._staged(self.stages, self.fmus)
+        yield from self._staged(self.initial_stages, self.fmus)
         stated = {c.name for c in self.system.components}
         for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
@@ -380,11 +390,27 @@ class _Planner:
         if wires:
             yield Transfer(wires)
             yield from self._write(self.fmus)
+        yield from self.master.begin()
 
 
-def _by_component(ends: Iterable[Endpoint]) -> dict[str, tuple[str, ...]]:
-    """The distinct variables of each component, in order."""
-    grouped: dict[str, dict[str, None]] = {}
-    for end in ends:
-        grouped.setdefault(end.component, {})[end.variable] = None
-    return {name: tuple(variables) for name, variables in grouped.items()}
+def _pass_on(wires: Collection[Wire], view: View) -> Iterator[Action]:
+    if wires:
+        yield Transfer(tuple(wires), view)
+        yield from _writes(wires)
+
+
+def _writes(wires: Iterable[Wire]) -> Iterator[Write]:
+    targets = by_component(wire.target for wire in wires)
+    return (Write(name, inputs) for name, inputs in targets.items())
+
+
+def _reads(ends: Iterable[Endpoint], view: View) -> Iterator[Read]:
+    return (Read(name, outputs, view) for name, outputs in by_component(ends).items())
+
+
+def _solve(wires: tuple[Wire, ...], reads: Iterator[Read], view: View) -> Iterator[Action]:
+    """The reads of an algebraic loop, repeated until they agree with what goes along `wires`."""
+    if wires:
+        yield Iterate(wires, view, (*_writes(wires), *reads))
+    else:
+        yield from reads

@@ -16,17 +16,25 @@ from numpy.typing import NDArray
 from harness.execution import operations as op
 from harness.execution.actions import (
     Action,
+    Blend,
     Compute,
+    Iterate,
+    Keep,
     Linearise,
     Read,
     Record,
+    Restore,
     Sample,
+    Save,
     Step,
     Transfer,
+    UnlessStop,
     View,
     Write,
+    flat,
 )
 from harness.execution.compile import compile_step
+from harness.execution.iteration import Iteration, snapshot
 from harness.execution.layout import FLOAT64, Layout, access, make_layout
 from harness.execution.plan import Plan
 from harness.execution.python_block import PythonCallback
@@ -47,7 +55,8 @@ class Program:
 
     `initial` is the one instant that propagates values during initialisation, `instants` are
     those of a cycle; instants that share their actions share their rows. `owners[i]` is the action
-    behind row i of `code`; `states` are the live states of the blocks by name.
+    behind row i of `code`; `states` are the live states of the blocks by name, `snapshots` the
+    places of pointers to FMU states that the run has to free.
     """
 
     plan: Plan
@@ -65,6 +74,8 @@ class Program:
     signals: list[SignalComponent] = field(default_factory=list)
     states: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     callbacks: dict[str, PythonCallback] = field(default_factory=dict)
+    iterations: dict[Iterate, Iteration] = field(default_factory=dict)
+    snapshots: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     keep: list[Any] = field(default_factory=list)
 
 
@@ -80,12 +91,13 @@ class _Linker:
         descriptions = {name: i.description for name, i in instances.items()}
         self.layout = make_layout(plan, descriptions)
         self.components = {c.name: c for c in plan.lowered.components}
-        distinct = {action for actions in plan.patterns for action in actions}
-        room = sum(map(_ports, distinct | set(plan.initial)))
+        distinct = set(flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]))
+        room = sum(map(_ports, distinct))
+        solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, Iterate))
         self.program = Program(
             plan,
             self.layout,
-            v=np.zeros(self.layout.size),
+            v=np.zeros(self.layout.size + solving),
             clock=np.zeros(5, dtype=np.int64),
             exchange=np.zeros(8 * (1 + room), dtype=np.uint8),
             recorded=np.array([self.layout.slots[end] for end in plan.recorded], dtype=np.int64),
@@ -93,9 +105,10 @@ class _Linker:
         self.base: int = self.program.v.ctypes.data
         self.exchange_base: int = self.program.exchange.ctypes.data
         self.exchange_used = 0
+        self.slots_used = self.layout.size
         self.copies: list[tuple[int, int]] = []
         self.scales: list[tuple[float, float]] = []
-        self.shared: dict[Any, list[list[int]]] = {}
+        self.shared: dict[Any, list[tuple[list[int], Action]]] = {}
 
     def link(self) -> Program:
         program = self.program
@@ -107,9 +120,9 @@ class _Linker:
         for actions in (self.plan.initial, *self.plan.patterns):
             first = len(rows)
             for action in actions:
-                operations = self.operations(action)
-                rows += operations
-                program.owners += [action] * len(operations)
+                for row, owner in self.operations(action):
+                    rows.append(row)
+                    program.owners.append(owner)
             spans[id(actions)] = (first, len(rows))
         program.code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
         for i, row in enumerate(rows):
@@ -123,10 +136,13 @@ class _Linker:
         program.scales = np.array(self.scales, dtype=np.float64).reshape(-1, 2)
         return program
 
-    def operations(self, action: Action) -> list[list[int]]:
-        """The rows of an action; equal actions share one set of memory."""
+    def operations(self, action: Action) -> list[tuple[list[int], Action]]:
+        """The rows of an action and whose they are; equal actions share one set of memory."""
         if action not in self.shared:
-            self.shared[action] = list(self._operations(action))
+            if isinstance(action, Iterate):
+                self.shared[action] = list(self._iterate(action))
+            else:
+                self.shared[action] = [(row, action) for row in self._operations(action)]
         return self.shared[action]
 
     def _operations(self, action: Action) -> Iterable[list[int]]:
@@ -147,14 +163,65 @@ class _Linker:
                 return [self._step(action)]
             case Record():
                 return [[op.RECORD]]
+            case Blend():
+                return self._blend(action)
+            case Keep():
+                ends = [Endpoint(action.component, output) for output in action.outputs]
+                places = [(self.layout.slots[e], self.layout.slot(e, "previous")) for e in ends]
+                return [self._copy(places)]
+            case Save() | Restore():
+                place = self.program.snapshots.setdefault(action.component, np.zeros(1, np.int64))
+                instance = self.instances[action.component]
+                return [snapshot(instance, place, save=isinstance(action, Save))]
+            case UnlessStop():
+                return [[op.UNLESS_STOP]]
+            case Iterate():
+                raise AssertionError("an iteration has rows of several actions")
+
+    def _copy(
+        self,
+        places: Sequence[tuple[int, int]],
+        scales: Sequence[tuple[float, float]] | None = None,
+        code: int = op.COPY,
+    ) -> list[int]:
+        """A row that copies from slot to slot, by (factor, offset) where they are not (1, 0)."""
+        first = len(self.copies)
+        self.copies += places
+        self.scales += [(1.0, 0.0)] * len(places) if scales is None else scales
+        return [code, first, len(self.copies)]
 
     def _transfer(self, action: Transfer) -> list[int]:
-        first = len(self.copies)
-        for wire in action.wires:
-            source = self.layout.slot(wire.source, action.view)
-            self.copies.append((source, self.layout.slots[wire.target]))
-            self.scales.append((wire.factor, wire.offset))
-        return [op.COPY, first, len(self.copies)]
+        places = [
+            (self.layout.slot(w.source, action.view), self.layout.slots[w.target])
+            for w in action.wires
+        ]
+        return self._copy(places, [(wire.factor, wire.offset) for wire in action.wires])
+
+    def _blend(self, action: Blend) -> Iterable[list[int]]:
+        targets = [self.layout.slots[wire.target] for wire in action.wires]
+        if action.own != 1.0:
+            places = [(slot, slot) for slot in targets]
+            yield self._copy(places, [(action.own, 0.0)] * len(places))
+        for view, weight in action.terms:
+            sources = [self.layout.slot(wire.source, view) for wire in action.wires]
+            scales = [(weight * wire.factor, weight * wire.offset) for wire in action.wires]
+            yield self._copy(list(zip(sources, targets, strict=True)), scales, op.ADD)
+
+    def _iterate(self, action: Iterate) -> Iterable[tuple[list[int], Action]]:
+        iteration = Iteration(action, self.plan.lowered.system, self.instances, self.slots_used)
+        self.program.iterations[action] = iteration
+        self.slots_used = iteration.last
+        inputs = [self.layout.slots[wire.target] for wire in action.wires]
+        outputs = [self.layout.slot(wire.source, action.view) for wire in action.wires]
+        scales = [(wire.factor, wire.offset) for wire in action.wires]
+        yield self._copy(list(zip(inputs, iteration.assumed, strict=True))), action
+        yield self._copy(list(zip(iteration.assumed, inputs, strict=True))), action
+        body = [pair for inner in action.body for pair in self.operations(inner)]
+        yield from body
+        found = self._copy(list(zip(outputs, iteration.found, strict=True)), scales)
+        yield found, action
+        yield iteration.solve(self.base), action
+        yield [op.REPEAT, iteration.first, len(body) + 3], action
 
     def _sample(self, name: str) -> list[int]:
         component = self.components[name]
@@ -262,11 +329,11 @@ class _Linker:
         instance = self.instances[action.component]
         head = [instance.address("DoStep"), instance.handle or 0, action.step_ns]
         if instance.prefix == "fmi2":
-            return [op.STEP_FMI2, *head]
+            return [op.STEP_FMI2, *head, int(action.final)]
         start, flags = self._reserve(8)
         last = np.zeros(1)
         self.program.keep.append(last)
-        return [op.STEP_FMI3, *head, flags, last.ctypes.data, start]
+        return [op.STEP_FMI3, *head, flags, last.ctypes.data, start, int(action.final)]
 
 
 def _ports(action: Action) -> int:

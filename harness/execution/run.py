@@ -9,6 +9,7 @@ have been handed to the recorder.
 
 from __future__ import annotations
 
+import ctypes
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -156,6 +157,7 @@ def execute(
             program = _initialise(plan, instances)
             clock = program.clock
             fault = _loop(program, instances, recorder, progress)
+            _free_snapshots(program, instances)
             if fault is None or isinstance(fault, EndRequestedError):
                 for instance in instances.values():
                     instance.terminate()
@@ -198,6 +200,13 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program
+
+
+def _free_snapshots(program: Program, instances: Mapping[str, FmuInstance]) -> None:
+    for name, place in program.snapshots.items():
+        if place[0] and instances[name].alive:
+            instances[name].free_state(ctypes.c_void_p(int(place[0])))
+            place[0] = 0
 
 
 class _Samples:

@@ -17,13 +17,19 @@ from numpy.typing import NDArray
 from harness.clock import show
 from harness.execution.actions import (
     Action,
+    Blend,
     Compute,
+    Iterate,
+    Keep,
     Linearise,
     Read,
     Record,
+    Restore,
     Sample,
+    Save,
     Step,
     Transfer,
+    UnlessStop,
     Write,
 )
 from harness.execution.plan import Plan
@@ -91,6 +97,21 @@ def describe(action: Action) -> str:
             return f"step {action.component} by {show(action.step_ns)}"
         case Record():
             return "record a row"
+        case Blend():
+            weights = ", ".join(f"{weight:+g} × {view}" for view, weight in action.terms)
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"blend: {action.own:g} × {ends}, {weights} of what drives them"
+        case Keep():
+            return f"keep as previous: {action.component}.{', '.join(action.outputs)}"
+        case Save():
+            return f"save the state of {action.component}"
+        case Restore():
+            return f"restore the state of {action.component}"
+        case UnlessStop():
+            return "end here at the stop time"
+        case Iterate():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"repeat until {ends} agree: {'; '.join(map(describe, action.body))}"
 
 
 def measure_delays(system: System, fmus: Mapping[str, Fmu]) -> dict[Endpoint, tuple[Arrival, ...]]:

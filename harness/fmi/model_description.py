@@ -7,7 +7,7 @@ refused, so no entity is ever expanded.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -66,7 +66,8 @@ class ModelDescription:
     """Identity, capabilities, variables and structure of an FMU.
 
     `feedthrough` maps an output's name to the inputs on which it depends directly, or to None
-    where the FMU does not say (then it may depend on all). `states` are the names of the
+    where the FMU does not say (then it may depend on all); `initial_feedthrough` holds those
+    outputs for which it says something else for the initialisation. `states` are the names of the
     continuous states with their derivatives' names, in the order of the model structure.
     """
 
@@ -85,6 +86,7 @@ class ModelDescription:
     stop_time: float | None
     step_size: float | None
     tolerance: float | None
+    initial_feedthrough: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def fmi_major(self) -> int:
@@ -177,6 +179,11 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
         stop_time=_number(experiment and experiment.stopTime),
         step_size=_number(experiment and experiment.stepSize),
         tolerance=_number(experiment and experiment.tolerance),
+        initial_feedthrough={
+            u.variable.name: tuple(_feedthrough(u, variables) or ())
+            for u in d.initialUnknowns
+            if u.variable is not None and u.dependencies is not None
+        },
     )
 
 

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 from harness.clock import show
 from harness.errors import GraphError, UnitError, nearest
-from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription, Variable
+from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, ModelDescription, Variable
 from harness.system.graph import (
+    ALGEBRAIC_LOOPS,
     ALGORITHMS,
     Component,
     Connection,
+    Convergence,
     Endpoint,
     FmuComponent,
     SensitivityComponent,
@@ -73,6 +75,10 @@ def check(system: System, descriptions: Descriptions) -> None:
 def _component_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
     if system.algorithm not in ALGORITHMS:
         yield f"algorithm {system.algorithm!r} is unknown; {nearest(system.algorithm, ALGORITHMS)}"
+    if system.algebraic_loops not in ALGEBRAIC_LOOPS:
+        hint = nearest(system.algebraic_loops, ALGEBRAIC_LOOPS)
+        yield f"algebraic_loops {system.algebraic_loops!r} is unknown; {hint}"
+    yield from _convergence_faults(system.convergence)
     if system.stop_ns <= system.start_ns:
         yield f"stop time {show(system.stop_ns)} is not after start time {show(system.start_ns)}"
     for name, count in Counter(c.name for c in system.components).items():
@@ -84,6 +90,13 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
             yield from _fmu_faults(component, descriptions[component.name])
         elif isinstance(component, SensitivityComponent):
             yield from _sensitivity_faults(component, names, descriptions)
+
+
+def _convergence_faults(convergence: Convergence) -> Iterator[str]:
+    if not 0.0 < convergence.tolerance < 1.0:
+        yield f"coupling tolerance {convergence.tolerance:g} must lie between 0 and 1"
+    if convergence.max_iterations < 2:
+        yield f"max_iterations {convergence.max_iterations} must be at least 2"
 
 
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
@@ -135,6 +148,7 @@ def _wire_faults(
         yield f"{label}: delay {show(connection.delay_ns)} is negative"
     if len(infos) == 2:
         yield from _type_faults(label, infos[0], infos[1])
+        yield from _extrapolation_faults(label, system, connection, infos)
 
 
 def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str]:
@@ -146,6 +160,23 @@ def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str
         conversion(source.unit, target.unit)
     except UnitError as fault:
         yield f"{label}: {fault}"
+
+
+def _extrapolation_faults(
+    label: str, system: System, connection: Connection, infos: list[PortInfo]
+) -> Iterator[str]:
+    if connection.extrapolation not in (0, 1):
+        yield f"{label}: extrapolation {connection.extrapolation!r} is neither 0 (hold) nor 1 (linear)"
+    if connection.extrapolation != 1:
+        return
+    ends = (connection.source, connection.target)
+    if not all(isinstance(system.component(end.component), FmuComponent) for end in ends):
+        yield f"{label}: only a wire from FMU to FMU can be extrapolated; what blocks write is held"
+    elif connection.delay_ns or connection.imperfections:
+        yield f"{label}: a wire with a delay or with imperfections cannot be extrapolated"
+    elif not all(info.type in REAL_TYPES for info in infos):
+        kinds = " to ".join(info.type for info in infos)
+        yield f"{label}: only real numbers can be extrapolated, not {kinds}"
 
 
 def _wiring_faults(system: System, descriptions: Descriptions) -> Iterator[str]:

@@ -102,7 +102,9 @@ def variable(name: str, reference: int, kind: str, causality: str, **more: Any) 
     return Variable(name, reference, kind, causality, "continuous", **{**fixed, **more})
 
 
-def describe(name: str, fmi_major: int, model: Model, **capabilities: Any) -> ModelDescription:
+def describe(
+    name: str, fmi_major: int, model: Model, states: bool = False, **capabilities: Any
+) -> ModelDescription:
     """The model description of a mock."""
     variables = [
         variable(port.name, 10 + i, port.type, "input" if isinstance(port, Input) else "output",
@@ -112,11 +114,17 @@ def describe(name: str, fmi_major: int, model: Model, **capabilities: Any) -> Mo
     units: dict[str, Unit] = {}
     return ModelDescription(
         name=name, fmi_version=f"{fmi_major}.0", token="", description="", generation_tool="",
-        co_simulation=Capabilities(name, False, False, False, False, False, **capabilities),
+        co_simulation=Capabilities(name, states, False, False, False, False, **capabilities),
         model_exchange=None, variables={v.name: v for v in variables}, units=units,
         feedthrough={port.name: port.depends for port in model.outputs}, states=(),
         start_time=None, stop_time=None, step_size=None, tolerance=None,
     )  # fmt: skip
+
+
+def description_can_repeat(description: ModelDescription) -> bool:
+    """Whether steps of the FMU may be undone."""
+    capabilities = description.co_simulation
+    return capabilities is not None and capabilities.can_get_and_set_fmu_state
 
 
 class MockInstance:
@@ -133,6 +141,8 @@ class MockInstance:
         self.dead, self.ended = False, False
         self._names = {v.value_reference: v.name for v in self.description.variables.values()}
         self._functions: dict[str, Any] = {}
+        self.snapshots: dict[int, tuple[float, dict[str, float]]] = {}
+        self.repeats = description_can_repeat(self.description)
 
     def address(self, name: str) -> int:
         if name not in self._functions:
@@ -145,6 +155,8 @@ class MockInstance:
         if name == "DoStep":
             flags = (p, p, p, p) if fmi3 else ()
             return ctypes.CFUNCTYPE(c, p, d, d, ctypes.c_bool, *flags)(self._do_step)
+        if name[1:].lower() == "etfmustate":
+            return ctypes.CFUNCTYPE(c, p, p)(self._get_state if name[0] == "G" else self._set_state)
         kind = name[3:]
         ctype = C_TYPES.get(kind, ctypes.c_uint8 if fmi3 else ctypes.c_int32)
 
@@ -164,12 +176,32 @@ class MockInstance:
         return ctypes.CFUNCTYPE(c, p, p, n, p, *((n,) if fmi3 else ()))(transfer)
 
     def _do_step(self, handle: int, time: float, step: float, keep: bool, *flags: int) -> int:
-        assert handle == 4242 and keep
+        assert handle == 4242 and (keep or self.repeats)
         if flags:
             for place, flag in zip(flags[:3], self.flags(time), strict=True):
                 ctypes.c_uint8.from_address(place).value = flag
         self.model.step(time, step)
         return self._status("DoStep")
+
+    def _get_state(self, handle: int, place: int) -> int:
+        """Always a new pointer, as the standard allows."""
+        pointer = ctypes.c_int64.from_address(place)
+        self.snapshots.pop(pointer.value, None)
+        self.issued = pointer.value = getattr(self, "issued", 16) + 16
+        self.snapshots[pointer.value] = (self.model.state, dict(self.model.values))
+        return self._status("GetState")
+
+    def _set_state(self, handle: int, pointer: int) -> int:
+        self.model.state, values = self.snapshots[pointer]
+        self.model.values = dict(values)
+        return self._status("SetState")
+
+    def free_state(self, state: ctypes.c_void_p) -> None:
+        del self.snapshots[state.value or 0]
+
+    @property
+    def alive(self) -> bool:
+        return not self.dead
 
     def _status(self, name: str) -> int:
         assert not self.dead, f"{name} called after Fatal"
@@ -217,10 +249,11 @@ class MockFmu:
         fmi_major: int = 2,
         state: float = 1.0,
         kind: Callable[..., Model] = Model,
+        states: bool = False,
         **capabilities: Any,
     ) -> None:
         self.model = lambda: kind(inputs, outputs, state)
-        self.description = describe("mock", fmi_major, self.model(), **capabilities)
+        self.description = describe("mock", fmi_major, self.model(), states, **capabilities)
         self.instances: list[MockInstance] = []
         self.statuses: dict[str, int] = {}
         self.hook: Callable[[MockInstance, str], None] = lambda instance, name: None
