@@ -166,7 +166,8 @@ def _extrapolation_faults(
     label: str, system: System, connection: Connection, infos: list[PortInfo]
 ) -> Iterator[str]:
     if connection.extrapolation not in (0, 1):
-        yield f"{label}: extrapolation {connection.extrapolation!r} is neither 0 (hold) nor 1 (linear)"
+        order = connection.extrapolation
+        yield f"{label}: extrapolation {order!r} is neither 0 (hold) nor 1 (linear)"
     if connection.extrapolation != 1:
         return
     ends = (connection.source, connection.target)

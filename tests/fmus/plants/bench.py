@@ -14,13 +14,18 @@ from fmus.disturbance_generator.model import plant as disturbance_generator
 from fmus.electro_hydraulic_servo.model import plant as electro_hydraulic_servo
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
+from fmus.oscillator_left.model import plant as oscillator_left
+from fmus.oscillator_right.model import plant as oscillator_right
 from fmus.plant import Plant
 from fmus.single_machine_infinite_bus.model import plant as single_machine_infinite_bus
 from fmus.two_mass_drive.model import plant as two_mass_drive
 
 Array = NDArray[np.float64]
 AXES = (hybrid_actuator, disturbance_generator)
-PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus, two_mass_drive)
+PLANTS = (
+    *AXES, electro_hydraulic_servo, single_machine_infinite_bus, two_mass_drive, oscillator_left,
+    oscillator_right,
+)  # fmt: skip
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
