@@ -19,8 +19,8 @@ from fmus.plant import Parameter, Plant, State, Variable
 OURS = "our choice: round numbers, angular frequency 10 rad/s alone"
 
 STATES = (
-    State("left_position", "m", "x, displacement of the left mass to the right", 0.0, 0.1),
-    State("left_velocity", "m/s", "v, velocity of the left mass", 0.0, 1.0),
+    State("position", "m", "x, displacement of the left mass to the right", 0.0, 0.1),
+    State("velocity", "m/s", "v, velocity of the left mass", 0.0, 1.0),
 )
 
 INPUTS = (Variable("coupling_force", "N", "F, pulls the left mass to the right", nominal=10.0),)
@@ -42,9 +42,9 @@ def equations(
     x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace
 ) -> tuple[Mapping[str, Expression], Mapping[str, Expression]]:
     """dx/dt by state and y by output, over CasADi scalars."""
-    force = u.coupling_force - p.stiffness * x.left_position - p.damping * x.left_velocity
-    rates = {"left_position": x.left_velocity, "left_velocity": force / p.mass}
-    return rates, {"position": x.left_position, "velocity": x.left_velocity}
+    force = u.coupling_force - p.stiffness * x.position - p.damping * x.velocity
+    rates = {"position": x.velocity, "velocity": force / p.mass}
+    return rates, {"position": x.position, "velocity": x.velocity}
 
 
 plant = Plant(

@@ -18,8 +18,8 @@ from fmus.plant import Parameter, Plant, State, Variable
 OURS = "our choice: round numbers, angular frequency 10 rad/s alone"
 
 STATES = (
-    State("right_position", "m", "x, displacement of the right mass to the right", 0.0, 0.1),
-    State("right_velocity", "m/s", "v, velocity of the right mass", 0.0, 1.0),
+    State("position", "m", "x, displacement of the right mass to the right", 0.0, 0.1),
+    State("velocity", "m/s", "v, velocity of the right mass", 0.0, 1.0),
 )
 
 INPUTS = (
@@ -49,14 +49,14 @@ def equations(
     x: SimpleNamespace, u: SimpleNamespace, p: SimpleNamespace
 ) -> tuple[Mapping[str, Expression], Mapping[str, Expression]]:
     """dx/dt by state and y by output, over CasADi scalars."""
-    stretch, rate = x.right_position - u.left_position, x.right_velocity - u.left_velocity
+    stretch, rate = x.position - u.left_position, x.velocity - u.left_velocity
     pull = p.coupling_stiffness * stretch + p.coupling_damping * rate
-    force = -pull - p.stiffness * x.right_position - p.damping * x.right_velocity
-    rates = {"right_position": x.right_velocity, "right_velocity": force / p.mass}
+    force = -pull - p.stiffness * x.position - p.damping * x.velocity
+    rates = {"position": x.velocity, "velocity": force / p.mass}
     outputs = {
         "coupling_force": pull,
-        "position": x.right_position,
-        "velocity": x.right_velocity,
+        "position": x.position,
+        "velocity": x.velocity,
     }
     return rates, outputs
 

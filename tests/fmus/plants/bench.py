@@ -62,6 +62,9 @@ INPUT_RANGES = {
     "torque_reference": (-4.0, 4.0),
     "load_torque": (-1.5, 1.5),
     "load_time_constant": (0.01, 1.0),
+    "coupling_force": (-20.0, 20.0),
+    "left_position": (-0.2, 0.2),
+    "left_velocity": (-2.0, 2.0),
 }
 
 
