@@ -39,6 +39,7 @@ from harness.execution.layout import FLOAT64, Layout, access, make_layout
 from harness.execution.plan import Plan
 from harness.execution.python_block import PythonCallback
 from harness.execution.sensitivity import Linearisation
+from harness.execution.start_values import start_values
 from harness.fmi.instance import FmuInstance
 from harness.system.graph import (
     BlockComponent,
@@ -88,8 +89,8 @@ class _Linker:
     def __init__(self, plan: Plan, instances: Mapping[str, FmuInstance]) -> None:
         self.plan = plan
         self.instances = instances
-        descriptions = {name: i.description for name, i in instances.items()}
-        self.layout = make_layout(plan, descriptions)
+        self.descriptions = {name: i.description for name, i in instances.items()}
+        self.layout = make_layout(plan, self.descriptions)
         self.components = {c.name: c for c in plan.lowered.components}
         distinct = set(flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]))
         room = sum(map(_ports, distinct))
@@ -112,9 +113,8 @@ class _Linker:
 
     def link(self) -> Program:
         program = self.program
-        for component in self.plan.lowered.sampled:
-            for signal in [*component.inputs, *component.outputs]:
-                program.v[self.layout.slots[Endpoint(component.name, signal.name)]] = signal.start
+        for end, value in start_values(self.plan.lowered, self.descriptions).items():
+            program.v[self.layout.slots[end]] = value
         rows: list[list[int]] = []
         spans: dict[int, tuple[int, int]] = {}
         for actions in (self.plan.initial, *self.plan.patterns):
