@@ -73,7 +73,7 @@ class Master:
         for wire in fmu_wires(lowered):
             self.wires_to[wire.target.component].append(wire)
         self._check_grids(grid)
-        self.groups = [(name,) for name in names]
+        self.groups: list[tuple[str, ...]] = [(name,) for name in names]
         self.repeated: tuple[tuple[str, ...], ...] = ()
         if self.algorithm == "iterative":
             self.repeated = strong_groups(lowered)
