@@ -88,6 +88,20 @@ class Blend:
 
 
 @dataclass(frozen=True)
+class Slope:
+    """Tell an FMU by how much its inputs change during the coming step of `step_ns`:
+
+    own * target + sum over terms (view, weight) of weight * (value in that view)
+    """
+
+    component: str
+    wires: tuple[Wire, ...]
+    own: float
+    terms: tuple[tuple[View, float], ...]
+    step_ns: int
+
+
+@dataclass(frozen=True)
 class Keep:
     """Let the present values of an FMU's outputs be the previous ones from now on."""
 
@@ -129,7 +143,7 @@ class Iterate:
 
 Action = (
     Sample | Transfer | Compute | Linearise | Read | Write | Step | Record
-    | Blend | Keep | Save | Restore | UnlessStop | Iterate
+    | Blend | Slope | Keep | Save | Restore | UnlessStop | Iterate
 )  # fmt: skip
 
 

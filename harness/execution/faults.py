@@ -17,6 +17,7 @@ from harness.execution.actions import (
     Read,
     Restore,
     Save,
+    Slope,
     Step,
     Write,
 )
@@ -132,7 +133,7 @@ def _fmu_of(program: Program, action: Action) -> str:
     if isinstance(action, Linearise):
         component = program.plan.lowered.component(action.component)
         return str(getattr(component, "component", action.component))
-    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore))
+    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore, Slope))
     return action.component
 
 
@@ -144,6 +145,8 @@ def _call_name(action: Action) -> str:
             return f"setting {', '.join(action.inputs)}"
         case Step():
             return f"doStep by {show(action.step_ns)}"
+        case Slope():
+            return "setting input derivatives"
         case Save():
             return "getting the FMU state"
         case Restore():

@@ -12,10 +12,11 @@ otherwise along the line through the last two values,
 
     (y_k + y_k+1) / 2,        y_k + (y_k - y_k-1) / 2.
 
-Either differs from the mean of the true signal by O(h²), so the error of a run is O(h²), against
-O(h) with hold. In the first step there is no earlier value, and the line is horizontal. Where an
-output that depends directly on such an input is read at the end of the step, the input gets the
-value of the end before.
+An FMI 2 FMU that can interpolate its inputs (canInterpolateInputs) gets the value of the beginning
+and the slope to the end instead. Either way the mean differs from that of the true signal by O(h²),
+so the error of a run is O(h²), against O(h) with hold. In the first step there is no earlier value,
+and the line is horizontal. Where an output that depends directly on such an input is read at the
+end of the step, the input gets the value of the end before.
 
 It refuses linear wires between FMUs that do not communicate at the same, evenly spaced instants,
 and to iterate FMUs whose state cannot be restored.
@@ -37,6 +38,7 @@ from harness.execution.actions import (
     Read,
     Restore,
     Save,
+    Slope,
     Step,
     Transfer,
     UnlessStop,
@@ -48,8 +50,13 @@ from harness.fmi.model_description import ModelDescription
 from harness.system.graph import Endpoint
 from harness.system.lowering import LoweredSystem, Wire
 
-_AHEAD: tuple[tuple[View, float], ...] = (("present", 0.5), ("previous", -0.5))
+Terms = tuple[tuple[View, float], ...]
+
+_AHEAD: Terms = (("present", 0.5), ("previous", -0.5))
 """From the value at the beginning of a step to that in its middle, and from there to its end."""
+_CHANGE_AHEAD: Terms = (("present", 1.0), ("previous", -1.0))
+_CHANGE_REACHED: Terms = (("reached", 1.0), ("present", -1.0))
+"""From the value at the beginning of a step to that at its end."""
 
 
 class Master:
@@ -73,6 +80,11 @@ class Master:
         for wire in fmu_wires(lowered):
             self.wires_to[wire.target.component].append(wire)
         self._check_grids(grid)
+        capabilities = {name: descriptions[name].co_simulation for name in names}
+        self.interpolating = {
+            name for name, c in capabilities.items()
+            if c is not None and c.can_interpolate_inputs and descriptions[name].fmi_major == 2
+        }  # fmt: skip
         self.groups: list[tuple[str, ...]] = [(name,) for name in names]
         self.repeated: tuple[tuple[str, ...], ...] = ()
         if self.algorithm == "iterative":
@@ -117,8 +129,8 @@ class Master:
         yield from self._write([name])
         yield Step(name, due[name])
         if name in self.reached:
-            between = self._feeding(w for w in self._earlier(name) if w.linear)
-            ahead = self._feeding(self._ahead(name))
+            between, _ = self._parted(self._feeding(w for w in self._earlier(name) if w.linear))
+            ahead, _ = self._parted(self._feeding(self._ahead(name)))
             if between:
                 yield Blend(between, 2.0, (("present", -1.0),))
             if ahead:
@@ -133,24 +145,30 @@ class Master:
         held = tuple(wire for wire in wires if not wire.linear)
         if held:
             yield Transfer(held, "reached")
-        linear = tuple(wire for wire in wires if wire.linear)
-        if linear:
-            yield Blend(linear, 0.5, (("reached", 0.5),))
+        middle, sloped = self._parted(wire for wire in wires if wire.linear)
+        if middle:
+            yield Blend(middle, 0.5, (("reached", 0.5),))
+        yield from self._slopes(sloped, 0.0, _CHANGE_REACHED)
 
     def _look_ahead(self, names: Iterable[str]) -> Iterator[Action]:
-        wires = tuple(wire for name in names for wire in self._ahead(name))
-        if wires:
-            yield Blend(wires, 1.0, _AHEAD)
+        middle, sloped = self._parted(wire for name in names for wire in self._ahead(name))
+        if middle:
+            yield Blend(middle, 1.0, _AHEAD)
+        yield from self._slopes(sloped, 0.0, _CHANGE_AHEAD)
 
     # repeated steps
 
     def _repeat(self, group: tuple[str, ...], due: Mapping[str, int]) -> Iterator[Action]:
         inner = tuple(wire for name in group for wire in self._within(name, group))
-        linear = tuple(wire for wire in inner if wire.linear)
+        linear, sloped = self._parted(wire for wire in inner if wire.linear)
         outer = tuple(wire for name in group for wire in self._earlier(name))
-        outer_linear = tuple(wire for wire in outer if wire.linear)
+        outer_linear, outer_sloped = self._parted(wire for wire in outer if wire.linear)
         body: list[Action] = [Restore(name) for name in group]
         body += _mean(linear, outer_linear)
+        body += self._slopes(sloped, 1.0, (("present", -1.0),))
+        body += self._slopes(outer_sloped, 0.0, _CHANGE_REACHED)
+        if sloped or outer_sloped:
+            body.append(Transfer((*sloped, *outer_sloped)))
         body += self._write(group)
         body += [Step(name, due[name], final=False) for name in group]
         if self._feeding([*linear, *outer_linear]):
@@ -190,6 +208,17 @@ class Master:
             if any(wire.target in feeding_inputs(end, self.descriptions) for end in outputs):
                 found.append(wire)
         return tuple(found)
+
+    def _parted(self, wires: Iterable[Wire]) -> tuple[tuple[Wire, ...], tuple[Wire, ...]]:
+        """Linear wires that bring the value of the middle, and those that bring a slope."""
+        wires = tuple(wires)
+        sloped = tuple(w for w in wires if w.target.component in self.interpolating)
+        return tuple(w for w in wires if w not in sloped), sloped
+
+    def _slopes(self, wires: tuple[Wire, ...], own: float, terms: Terms) -> Iterator[Slope]:
+        for name in by_component(wire.target for wire in wires):
+            into = tuple(wire for wire in wires if wire.target.component == name)
+            yield Slope(name, into, own, terms, self.step_ns[name])
 
     def _write(self, names: Iterable[str]) -> Iterator[Write]:
         return (Write(name, self.written[name]) for name in names if name in self.written)

@@ -10,9 +10,8 @@ At each instant, in this order (the timing contract):
 
 The algorithms by which FMUs are coupled differ in part 4 only, which is `master`'s.
 
-It refuses rates that do not divide one another, loops of blocks without delay, loops of direct
-feedthrough unless they are to be solved, and cycles that would need more than `MAX_ACTIONS`
-actions.
+It refuses loops of blocks without delay, and loops of direct feedthrough unless they are to be
+solved; `rates` refuses rates that do not fit together.
 """
 
 from __future__ import annotations
@@ -23,8 +22,7 @@ from functools import partial
 
 import networkx as nx
 
-from harness.clock import common_cycle, show
-from harness.errors import GraphError, TimingError
+from harness.errors import GraphError
 from harness.execution.actions import (
     Action,
     Compute,
@@ -40,7 +38,8 @@ from harness.execution.actions import (
 )
 from harness.execution.calendar import Calendar, Event, Role
 from harness.execution.coupling import Feeding, Stage, coupling_stages, feeding_inputs
-from harness.execution.master import Master, by_component, strong_groups
+from harness.execution.master import Master, by_component
+from harness.execution.rates import Rates
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (
     Component,
@@ -50,9 +49,7 @@ from harness.system.graph import (
     SensitivityComponent,
     SignalComponent,
 )
-from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
-
-MAX_ACTIONS = 1_000_000
+from harness.system.lowering import DelayComponent, LoweredSystem, Wire
 
 
 @dataclass(frozen=True)
@@ -105,14 +102,8 @@ class _Planner:
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
-        self._check_phases()
-        self._check_rates()
-        periods = [rate_of(c).period_ns for c in lowered.components]
-        self.cycle_ns = common_cycle([*periods, self.system.record_ns])
-        self._check_size()
-        self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
-        self._check_stop()
-        self._join_grids()
+        self.rates = Rates(lowered, descriptions)
+        self.cycle_ns = self.rates.cycle_ns
         self.blocks = self._order_blocks()
         self.stages = self._reading_stages(partial(feeding_inputs, descriptions=descriptions))
         self.initial_stages = self._reading_stages(
@@ -121,7 +112,7 @@ class _Planner:
         self.fresh = self._fresh_stages()
         self.written = self._written()
         self.written_of = by_component(self.written)
-        self.master = Master(lowered, descriptions, self.grid, self.written_of)
+        self.master = Master(lowered, descriptions, self.rates.grid, self.written_of)
 
     def plan(self) -> Plan:
         instants = self._calendar().instants()
@@ -136,108 +127,6 @@ class _Planner:
             self.written,
             self.recorded,
         )
-
-    # rates
-
-    def _check_phases(self) -> None:
-        for c in self.lowered.sampled:
-            rate = rate_of(c)
-            if rate.phase_ns < 0:
-                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
-            if rate.phase_ns >= rate.period_ns:
-                raise TimingError(
-                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
-                    f"{show(rate.period_ns)}"
-                )
-
-    def _check_rates(self) -> None:
-        for c in self.lowered.sampled:
-            if isinstance(c, SensitivityComponent):
-                step_ns = self.fmus[c.component].step_ns
-                if c.period_ns % step_ns or c.phase_ns % step_ns:
-                    raise TimingError(
-                        f"sensitivity {c.name} runs every {show(c.period_ns)} (first at "
-                        f"{show(c.phase_ns)}) but {c.component} steps by {show(step_ns)}: both "
-                        "must be whole multiples of it"
-                    )
-        for wire in self.lowered.wires:
-            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
-            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
-            other = target if fmu is source else source
-            if fmu is None or isinstance(other, DelayComponent):
-                continue
-            rate = rate_of(other)
-            fast, slow = sorted((fmu.step_ns, rate.period_ns))
-            if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
-                offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
-                raise TimingError(
-                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
-                    f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
-                )
-
-    def _join_grids(self) -> None:
-        """FMUs that repeat their steps together communicate at the same instants."""
-        for group in strong_groups(self.lowered) if self.system.algorithm == "iterative" else ():
-            steps = {self.fmus[name].step_ns for name in group}
-            if len(steps) > 1:
-                text = ", ".join(f"{name} {show(self.fmus[name].step_ns)}" for name in group)
-                raise TimingError(
-                    f"the iterative algorithm repeats the steps of FMUs that drive each other "
-                    f"together, so their steps must be equal: {text}"
-                )
-            joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
-            for name in group:
-                capabilities = self.descriptions[name].co_simulation
-                fixed = capabilities is not None and not capabilities.can_handle_variable_step
-                if fixed and self.grid[name] != joined:
-                    raise TimingError(
-                        f"a delayed value arrives between the steps of FMUs that step together "
-                        f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
-                        "that is a multiple of it"
-                    )
-                self.grid[name] = joined
-
-    def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
-        offsets = set(range(0, self.cycle_ns, fmu.step_ns))
-        capabilities = self.descriptions[fmu.name].co_simulation
-        for wire in self.wires_to[fmu.name]:
-            source = self.by_name[wire.source.component]
-            if not isinstance(source, DelayComponent):
-                continue
-            arrivals = set(self._sample_offsets(source))
-            fixed = capabilities is not None and not capabilities.can_handle_variable_step
-            if fixed and arrivals - set(range(0, self.cycle_ns, fmu.step_ns)):
-                raise TimingError(
-                    f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes steps "
-                    f"of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
-                )
-            offsets |= arrivals
-        return tuple(sorted(offsets))
-
-    def _sample_offsets(self, component: SampledComponent) -> range:
-        rate = rate_of(component)
-        return range(rate.phase_ns, self.cycle_ns, rate.period_ns)
-
-    def _check_size(self) -> None:
-        rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
-        count = sum(self.cycle_ns // period for period in rates.values())
-        if count > MAX_ACTIONS:
-            text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
-            raise TimingError(
-                f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
-                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
-                f"{text}"
-            )
-
-    def _check_stop(self) -> None:
-        length = self.system.stop_ns - self.system.start_ns
-        for fmu in self.fmus.values():
-            if length % fmu.step_ns:
-                raise TimingError(
-                    f"{fmu.name} steps by {show(fmu.step_ns)}, which does not divide the run of "
-                    f"{show(length)}; the nearest stop time is "
-                    f"{show(self.system.start_ns + round(length / fmu.step_ns) * fmu.step_ns)}"
-                )
 
     # order
 
@@ -313,12 +202,12 @@ class _Planner:
         calendar = Calendar(self.cycle_ns)
         for delay in self.delays:
             taken = range(delay.source_phase_ns, self.cycle_ns, delay.period_ns)
-            calendar.enter(Event(Role.ARRIVE, delay.name), self._sample_offsets(delay))
+            calendar.enter(Event(Role.ARRIVE, delay.name), self.rates.sample_offsets(delay))
             calendar.enter(Event(Role.TAKE, delay.name), taken)
         for block in self.blocks:
-            calendar.enter(Event(Role.SAMPLE, block.name), self._sample_offsets(block))
+            calendar.enter(Event(Role.SAMPLE, block.name), self.rates.sample_offsets(block))
         calendar.enter(Event(Role.RECORD), range(0, self.cycle_ns, self.system.record_ns))
-        for name, grid in self.grid.items():
+        for name, grid in self.rates.grid.items():
             calendar.enter_steps(name, grid)
         return calendar
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import to_seconds
 from harness.execution import operations as op
 from harness.execution.actions import (
     Action,
@@ -26,6 +27,7 @@ from harness.execution.actions import (
     Restore,
     Sample,
     Save,
+    Slope,
     Step,
     Transfer,
     UnlessStop,
@@ -94,7 +96,7 @@ class _Linker:
         self.components = {c.name: c for c in plan.lowered.components}
         distinct = set(flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]))
         room = sum(map(_ports, distinct))
-        solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, Iterate))
+        solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, (Iterate, Slope)))
         self.program = Program(
             plan,
             self.layout,
@@ -165,6 +167,8 @@ class _Linker:
                 return [[op.RECORD]]
             case Blend():
                 return self._blend(action)
+            case Slope():
+                return self._slope(action)
             case Keep():
                 ends = [Endpoint(action.component, output) for output in action.outputs]
                 places = [(self.layout.slots[e], self.layout.slot(e, "previous")) for e in ends]
@@ -206,6 +210,28 @@ class _Linker:
             sources = [self.layout.slot(wire.source, view) for wire in action.wires]
             scales = [(weight * wire.factor, weight * wire.offset) for wire in action.wires]
             yield self._copy(list(zip(sources, targets, strict=True)), scales, op.ADD)
+
+    def _slope(self, action: Slope) -> Iterable[list[int]]:
+        instance, n = self.instances[action.component], len(action.wires)
+        slopes = range(self.slots_used, self.slots_used + n)
+        self.slots_used += n
+        per_second = 1.0 / to_seconds(action.step_ns)
+        targets = [self.layout.slots[wire.target] for wire in action.wires]
+        yield self._copy(
+            list(zip(targets, slopes, strict=True)), [(action.own * per_second, 0.0)] * n
+        )
+        for view, weight in action.terms:
+            sources = [self.layout.slot(wire.source, view) for wire in action.wires]
+            share = weight * per_second
+            scales = [(share * wire.factor, share * wire.offset) for wire in action.wires]
+            yield self._copy(list(zip(sources, slopes, strict=True)), scales, op.ADD)
+        variables = [instance.description.variable(wire.target.variable) for wire in action.wires]
+        references = np.array([v.value_reference for v in variables], dtype=np.uint32)
+        orders = np.ones(n, dtype=np.int32)
+        self.program.keep += [references, orders]
+        head = [instance.address("SetRealInputDerivatives"), instance.handle or 0]
+        values = self.base + 8 * slopes[0]
+        yield [op.CALL_5, *head, references.ctypes.data, n, orders.ctypes.data, values]
 
     def _iterate(self, action: Iterate) -> Iterable[tuple[list[int], Action]]:
         iteration = Iteration(action, self.plan.lowered.system, self.instances, self.slots_used)

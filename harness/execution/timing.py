@@ -27,6 +27,7 @@ from harness.execution.actions import (
     Restore,
     Sample,
     Save,
+    Slope,
     Step,
     Transfer,
     UnlessStop,
@@ -101,6 +102,9 @@ def describe(action: Action) -> str:
             weights = ", ".join(f"{weight:+g} × {view}" for view, weight in action.terms)
             ends = ", ".join(str(wire.target) for wire in action.wires)
             return f"blend: {action.own:g} × {ends}, {weights} of what drives them"
+        case Slope():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"set the slopes of {ends}"
         case Keep():
             return f"keep as previous: {action.component}.{', '.join(action.outputs)}"
         case Save():

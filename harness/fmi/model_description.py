@@ -59,6 +59,7 @@ class Capabilities:
     fixed_internal_step_size: float | None = None
     has_event_mode: bool = False
     max_output_derivative_order: int = 0
+    can_interpolate_inputs: bool = False
 
 
 @dataclass(frozen=True)
@@ -231,6 +232,7 @@ def _capabilities(c: Any, directional: bool) -> Capabilities | None:
         fixed_internal_step_size=_number(getattr(c, "fixedInternalStepSize", None)),
         has_event_mode=bool(getattr(c, "hasEventMode", False)),
         max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
+        can_interpolate_inputs=bool(getattr(c, "canInterpolateInputs", False)),
     )
 
 

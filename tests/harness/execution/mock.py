@@ -3,7 +3,7 @@
 A model holds one real state s, inputs u_j and outputs y_i:
 
     y_i = c_i s + sum of (1 + j) / 8 u_j over the inputs on which y_i depends directly
-    step of h at t:  s <- 0.9 s + h sum of (1 + j) u_j + t / 64
+    step of h at t:  s <- 0.9 s + h sum of (1 + j) (u_j + h / 2 * slope of u_j) + t / 64
 
 Integers are rounded, booleans are y_i > 0. The reference simulation calls the models directly.
 """
@@ -70,6 +70,7 @@ class Model:
     state: float = 1.0
     values: dict[str, float] = field(default_factory=dict)
     steps: list[tuple[float, float]] = field(default_factory=list)
+    slopes: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.values = {port.name: 0.0 for port in self.inputs}
@@ -91,7 +92,10 @@ class Model:
     def step(self, time: float, step: float) -> None:
         total = 0.0
         for j, port in enumerate(self.inputs):
-            total += (1 + j) * self.values[port.name]
+            value = self.values[port.name]
+            if port.name in self.slopes:
+                value += step / 2 * self.slopes[port.name]
+            total += (1 + j) * value
         self.state = 0.9 * self.state + step * total + time / 64
         self.steps.append((time, step))
 
@@ -157,6 +161,8 @@ class MockInstance:
             return ctypes.CFUNCTYPE(c, p, d, d, ctypes.c_bool, *flags)(self._do_step)
         if name[1:].lower() == "etfmustate":
             return ctypes.CFUNCTYPE(c, p, p)(self._get_state if name[0] == "G" else self._set_state)
+        if name == "SetRealInputDerivatives":
+            return ctypes.CFUNCTYPE(c, p, p, n, p, p)(self._set_slopes)
         kind = name[3:]
         ctype = C_TYPES.get(kind, ctypes.c_uint8 if fmi3 else ctypes.c_int32)
 
@@ -182,6 +188,15 @@ class MockInstance:
                 ctypes.c_uint8.from_address(place).value = flag
         self.model.step(time, step)
         return self._status("DoStep")
+
+    def _set_slopes(
+        self, handle: int, references: int, count: int, orders: int, values: int
+    ) -> int:
+        assert list((ctypes.c_int32 * count).from_address(orders)) == [1] * count
+        data = (ctypes.c_double * count).from_address(values)
+        for i, reference in enumerate((ctypes.c_uint32 * count).from_address(references)):
+            self.model.slopes[self._names[reference]] = data[i]
+        return self._status("SetRealInputDerivatives")
 
     def _get_state(self, handle: int, place: int) -> int:
         """Always a new pointer, as the standard allows."""

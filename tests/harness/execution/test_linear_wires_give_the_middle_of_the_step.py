@@ -42,12 +42,38 @@ def recursion(algorithm: str) -> list[tuple[float, float]]:
     return rows
 
 
+@pytest.mark.parametrize("slopes", [False, True], ids=["middle", "slope"])
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
-def test_rows_are_the_recursion_of_the_algorithm(algorithm: str) -> None:
-    fmus = {"a": MockFmu(states=True), "b": MockFmu(state=-2.0, states=True)}
+def test_rows_are_the_recursion_of_the_algorithm(algorithm: str, slopes: bool) -> None:
+    """The mocks are as linear in a slope as in a value, so both ways come to the same."""
+    fmus = {
+        "a": MockFmu(states=True, can_interpolate_inputs=slopes),
+        "b": MockFmu(state=-2.0, states=True, can_interpolate_inputs=slopes),
+    }
     rows = run(pair(algorithm), fmus)
     found = np.column_stack([rows["a.y"], rows["b.y"]])
     assert np.abs(found - np.array(recursion(algorithm))).max() < 1e-14
+    for one in fmus.values():
+        assert ("SetRealInputDerivatives" in one.instances[0].calls) == slopes
+
+
+@pytest.mark.parametrize("algorithm", ["gauss-seidel", "iterative"])
+def test_a_slope_comes_from_fmus_outside_of_a_group_too(algorithm: str) -> None:
+    """b repeats with c while a drives it; what it gets of a is the mean of both ends either way."""
+    found = []
+    for slopes in (False, True):
+        inputs = (Input("u"), Input("v"))
+        fmus = {
+            "a": MockFmu(states=True),
+            "b": MockFmu(inputs, states=True, can_interpolate_inputs=slopes),
+            "c": MockFmu(states=True, can_interpolate_inputs=slopes),
+        }
+        whole = system(
+            *map(fmu, "abc"), linear("a.y", "b.u"), wire("c.y", "b.v"), linear("b.y", "c.u"),
+            algorithm=algorithm, stop_ns=60 * MS, convergence=Convergence(1e-14, 50),
+        )  # fmt: skip
+        found.append(run(whole, fmus).rows)
+    assert np.abs(found[0] - found[1]).max() < 1e-14
 
 
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
