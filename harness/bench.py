@@ -195,7 +195,8 @@ class Bench:
         imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
         **named: Mapping[str, Any],
     ) -> None:
-        """A wire from `component.output` to `component.input`.
+        """A wire from `component.output` to `component.input`; arrays of equal dimensions whole, or
+        an element of one, as in "plant.pressure[2]".
 
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
         those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. From FMU to

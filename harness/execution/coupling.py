@@ -57,14 +57,18 @@ def feeding_inputs(
     `initially`: during initialisation, where the FMU says something else of that.
     """
     description = descriptions[output.component]
-    names = description.feedthrough.get(output.variable)
+    array, _ = description.elements.get(output.variable, (None, 0))
+    variable = array or description.variable(output.variable)
+    names = description.feedthrough.get(variable.name)
     if initially:
-        names = description.initial_feedthrough.get(output.variable, names)
+        names = description.initial_feedthrough.get(variable.name, names)
     if names is None:
-        if description.variables[output.variable].causality != "output":
+        if variable.causality != "output":
             return frozenset()
         names = tuple(v.name for v in description.inputs)
-    return frozenset(Endpoint(output.component, name) for name in names)
+    return frozenset(
+        Endpoint(output.component, port) for name in names for port in description.whole(name)
+    )
 
 
 def coupling_stages(

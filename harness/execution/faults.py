@@ -109,7 +109,7 @@ def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: 
     room = np.zeros(8, dtype=np.uint8)
     slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
     port = next(end for end, place in program.layout.slots.items() if place == slot)
-    type_name = instances[port.component].description.variable(port.variable).type
+    type_name = instances[port.component].description.port(port.variable).type
     return (
         f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
         "saturate what is wired to it"

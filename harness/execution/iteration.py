@@ -63,7 +63,7 @@ def snapshot(instance: FmuInstance, place: NDArray[np.int64], *, save: bool) -> 
 
 def _nominal(wire: Wire, instances: Mapping[str, FmuInstance]) -> float:
     """The size of a signal at its target; 0 where either end is discrete."""
-    ends = [instances[e.component].description.variable(e.variable)
+    ends = [instances[e.component].description.port(e.variable)
             for e in (wire.source, wire.target)]  # fmt: skip
     if any(variable.type not in REAL_TYPES for variable in ends):
         return 0.0

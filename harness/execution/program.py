@@ -37,7 +37,7 @@ from harness.execution.actions import (
 )
 from harness.execution.compile import compile_step
 from harness.execution.iteration import Iteration, snapshot
-from harness.execution.layout import FLOAT64, Layout, access, make_layout
+from harness.execution.layout import FLOAT64, Layout, access, make_layout, whole
 from harness.execution.plan import Plan
 from harness.execution.python_block import PythonCallback
 from harness.execution.sensitivity import Linearisation
@@ -95,7 +95,7 @@ class _Linker:
         self.layout = make_layout(plan, self.descriptions)
         self.components = {c.name: c for c in plan.lowered.components}
         distinct = set(flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]))
-        room = sum(map(_ports, distinct))
+        room = sum(map(self._ports, distinct))
         solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, (Iterate, Slope)))
         self.program = Program(
             plan,
@@ -115,7 +115,7 @@ class _Linker:
 
     def link(self) -> Program:
         program = self.program
-        for end, value in start_values(self.plan.lowered, self.descriptions).items():
+        for end, value in start_values(self.plan, self.descriptions).items():
             program.v[self.layout.slots[end]] = value
         rows: list[list[int]] = []
         spans: dict[int, tuple[int, int]] = {}
@@ -312,9 +312,10 @@ class _Linker:
 
         def neighbours(place: tuple[int, Endpoint]) -> tuple[tuple[str, int], int]:
             i, end = place
-            return access(d.variable(end.variable), d.fmi_major), slot(end) - i
+            return access(d.port(end.variable), d.fmi_major), slot(end) - i
 
-        ends = sorted((Endpoint(name, variable) for variable in variables), key=slot)
+        touched = whole((Endpoint(name, variable) for variable in variables), self.descriptions)
+        ends = sorted(touched, key=slot)
 
         for ((suffix, kind), _), group in groupby(enumerate(ends), key=neighbours):
             yield suffix, kind, [end for _, end in group]
@@ -324,16 +325,16 @@ class _Linker:
     ) -> Iterable[list[int]]:
         instance = self.instances[name]
         n = len(ends)
-        references = np.array(
-            [instance.description.variable(end.variable).value_reference for end in ends],
-            dtype=np.uint32,
-        )
+        ports = (instance.description.port(end.variable) for end in ends)
+        distinct = dict.fromkeys(port.value_reference for port in ports)  # an array has one
+        references = np.array(list(distinct), dtype=np.uint32)
         self.program.keep.append(references)
         start = 0
         values = self.base + 8 * first
         if kind != FLOAT64:
             start, values = self._reserve(n * op.ITEM_SIZE[kind])
-        call = [instance.address(verb + suffix), instance.handle or 0, references.ctypes.data, n]
+        call = [instance.address(verb + suffix), instance.handle or 0, references.ctypes.data]
+        call.append(len(references))
         row = [op.CALL_4, *call, values]
         if instance.prefix == "fmi3":
             row = [op.CALL_5, *call, values, n]
@@ -361,14 +362,11 @@ class _Linker:
         self.program.keep.append(last)
         return [op.STEP_FMI3, *head, flags, last.ctypes.data, start, int(action.final)]
 
-
-def _ports(action: Action) -> int:
-    """Room that an action may need in the exchange buffer, in units of 8 bytes."""
-    match action:
-        case Read():
-            return len(action.outputs)
-        case Write():
-            return len(action.inputs)
-        case Step():
-            return 1
-    return 0
+    def _ports(self, action: Action) -> int:
+        """Room that an action may need in the exchange buffer, in units of 8 bytes."""
+        match action:
+            case Read(name, variables) | Write(name, variables):
+                return len(whole((Endpoint(name, v) for v in variables), self.descriptions))
+            case Step():
+                return 1
+        return 0

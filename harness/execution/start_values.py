@@ -1,4 +1,5 @@
-"""What stands at the ports of blocks before they have computed for the first time.
+"""What stands at the ports of blocks before they have computed for the first time, and at those
+elements of array inputs that nothing is wired to.
 
 A block's output has the start value that the block states. Where it states none (0, the default)
 and drives an input of an FMU, by a plain wire, a delay or imperfections, it has the value that
@@ -13,16 +14,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from harness.execution.layout import whole
+from harness.execution.plan import Plan
 from harness.fmi.model_description import ModelDescription
 from harness.system.check import inputs_of
-from harness.system.graph import BlockComponent, Endpoint, FmuComponent, PythonComponent
-from harness.system.lowering import LoweredSystem
+from harness.system.graph import (
+    BlockComponent,
+    Component,
+    Endpoint,
+    FmuComponent,
+    PythonComponent,
+)
 
 
-def start_values(
-    lowered: LoweredSystem, descriptions: Mapping[str, ModelDescription]
-) -> dict[Endpoint, float]:
-    """The value of every port of what is no FMU, before anything has been computed."""
+def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> dict[Endpoint, float]:
+    """The value of every port of what is no FMU, before anything has been computed, and of the
+    elements of FMU inputs."""
+    lowered = plan.lowered
+    elements = {
+        end: _input_start(lowered.system.component(end.component), end.variable, descriptions)
+        for end in whole(plan.written, descriptions)
+        if end.variable in descriptions[end.component].elements
+    }
     values = {
         Endpoint(component.name, signal.name): signal.start
         for component in lowered.sampled
@@ -38,13 +51,17 @@ def start_values(
             factor, offset = scales[target]
             start = _input_start(driven, target.variable, descriptions)
             taken.setdefault(source, (start - offset) / factor)
-    return values | taken
+    return values | taken | elements
 
 
 def _input_start(
-    component: FmuComponent, name: str, descriptions: Mapping[str, ModelDescription]
+    component: Component, name: str, descriptions: Mapping[str, ModelDescription]
 ) -> float:
+    assert isinstance(component, FmuComponent)
     given: Any = component.start_values.get(name)
+    array, place = descriptions[component.name].elements.get(name, (None, 0))
+    if array is not None and array.name in component.start_values:
+        given = component.start_values[array.name][place]
     if isinstance(given, (bool, int, float)):
         return float(given)
     if isinstance(given, str):

@@ -44,7 +44,7 @@ def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, Po
     """The variables of a component that may be the source of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in d.variables.values() if v.causality in _READABLE}
+        return {v.name: _info(v, d) for v in _ports(d) if v.causality in _READABLE}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.outputs
@@ -55,7 +55,7 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     """The variables of a component that may be the target of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in d.variables.values() if _writable(v)}
+        return {v.name: _info(v, d) for v in _ports(d) if _writable(v)}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.inputs
@@ -152,6 +152,12 @@ def _wire_faults(
 
 
 def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str]:
+    if "[" in source.type + target.type:
+        yield (
+            f"{label}: {source.type} to {target.type}: arrays are wired whole where their "
+            "dimensions are equal, or by element, as in a[1]"
+        )
+        return
     for info in (source, target):
         if info.type not in NUMERIC_TYPES:
             yield f"{label}: type {info.type} cannot be wired; numbers and booleans can"
@@ -205,16 +211,22 @@ def _optional(component: Component, name: str) -> bool:
     return any(s.name == name and getattr(s, "optional", False) for s in component.inputs)
 
 
+def _ports(d: ModelDescription) -> Iterator[Variable]:
+    """Variables, and the elements of arrays."""
+    yield from d.variables.values()
+    yield from map(d.port, d.elements)
+
+
 def _writable(v: Variable) -> bool:
     return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
 
 
 def _info(v: Variable, d: ModelDescription) -> PortInfo:
     start = 0.0
-    if v.type in NUMERIC_TYPES and v.start is not None and v.size == 1:
+    if v.type in NUMERIC_TYPES and v.start is not None and not v.dimensions:
         text = str(v.start).lower()
         start = float(text in ("true", "1")) if v.type == "Boolean" else float(text)
-    kind = v.type if v.size == 1 else f"{v.type}[{v.size}]"
+    kind = f"{v.type}[{','.join(map(str, v.dimensions))}]" if v.dimensions else v.type
     return PortInfo(_stated(v.unit, d.units), kind, start, v.description)
 
 

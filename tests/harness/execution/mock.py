@@ -10,7 +10,8 @@ Integers are rounded, booleans are y_i > 0. The reference simulation calls the m
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import Any, Self
 
 from harness.fmi.logger import LogMessage, MessageLog
@@ -50,6 +51,7 @@ class Input:
     name: str
     type: str = "Real"
     unit: str | None = None
+    size: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,24 @@ class Output:
     gain: float = 1.0
     depends: tuple[str, ...] = ()
     unit: str | None = None
+    size: int = 0
+
+
+def scalars(port: Input | Output, inputs: tuple[Input, ...] = ()) -> list[Any]:
+    """A port, or the elements of an array, whose gains are multiples of the first one's."""
+    if isinstance(port, Output):
+        arrays = {one.name: [part.name for part in scalars(one)] for one in inputs}
+        depends = tuple(name for array in port.depends for name in arrays[array])
+        port = replace(port, depends=depends)
+    if not port.size:
+        return [port]
+    more = [{"gain": port.gain * i} if isinstance(port, Output) else {} for i in places(port)]
+    names = [f"{port.name}[{i}]" for i in places(port)]
+    return [replace(port, name=n, size=0, **m) for n, m in zip(names, more, strict=True)]
+
+
+def places(port: Input | Output) -> range:
+    return range(1, 1 + port.size)
 
 
 @dataclass
@@ -102,17 +122,17 @@ class Model:
 
 def variable(name: str, reference: int, kind: str, causality: str, **more: Any) -> Variable:
     fixed = {"initial": None, "start": "0", "unit": None, "description": "", "minimum": None,
-             "maximum": None, "nominal": None}  # fmt: skip
+             "maximum": None, "nominal": None, "size": 1, "dimensions": ()}  # fmt: skip
     return Variable(name, reference, kind, causality, "continuous", **{**fixed, **more})
 
 
 def describe(
-    name: str, fmi_major: int, model: Model, states: bool = False, **capabilities: Any
+    name: str, fmi_major: int, model: Any, states: bool = False, **capabilities: Any
 ) -> ModelDescription:
     """The model description of a mock."""
     variables = [
         variable(port.name, 10 + i, port.type, "input" if isinstance(port, Input) else "output",
-                 unit=port.unit)
+                 unit=port.unit, size=port.size or 1, dimensions=(port.size,) * bool(port.size))
         for i, port in enumerate((*model.inputs, *model.outputs))
     ]  # fmt: skip
     units: dict[str, Unit] = {}
@@ -144,6 +164,7 @@ class MockInstance:
         self.statuses, self.hook, self.flags = fmu.statuses, fmu.hook, fmu.flags
         self.dead, self.ended = False, False
         self._names = {v.value_reference: v.name for v in self.description.variables.values()}
+        self._parts = {r: self.description.whole(name) for r, name in self._names.items()}
         self._functions: dict[str, Any] = {}
         self.snapshots: dict[int, tuple[float, dict[str, float]]] = {}
         self.repeats = description_can_repeat(self.description)
@@ -167,11 +188,12 @@ class MockInstance:
         ctype = C_TYPES.get(kind, ctypes.c_uint8 if fmi3 else ctypes.c_int32)
 
         def transfer(handle: int, references: int, count: int, values: int, *size: int) -> int:
-            assert handle == 4242 and all(one == count for one in size)
-            names = [self._names[r] for r in (ctypes.c_uint32 * count).from_address(references)]
-            data = (ctype * count).from_address(values)
+            given = (ctypes.c_uint32 * count).from_address(references)
+            names = [name for reference in given for name in self._parts[reference]]
+            assert handle == 4242 and all(one == len(names) for one in size)
+            data = (ctype * len(names)).from_address(values)
             for i, variable_name in enumerate(names):
-                assert self.description.variable(variable_name).type in (kind, "Enumeration")
+                assert self.description.port(variable_name).type in (kind, "Enumeration")
                 if name.startswith("Set"):
                     self.model.set(variable_name, float(data[i]))
                 else:
@@ -267,8 +289,11 @@ class MockFmu:
         states: bool = False,
         **capabilities: Any,
     ) -> None:
-        self.model = lambda: kind(inputs, outputs, state)
-        self.description = describe("mock", fmi_major, self.model(), states, **capabilities)
+        elements = tuple(part for port in inputs for part in scalars(port))
+        made = tuple(part for port in outputs for part in scalars(port, inputs))
+        self.model = lambda: kind(elements, made, state)
+        ports = SimpleNamespace(inputs=inputs, outputs=outputs)
+        self.description = describe("mock", fmi_major, ports, states, **capabilities)
         self.instances: list[MockInstance] = []
         self.statuses: dict[str, int] = {}
         self.hook: Callable[[MockInstance, str], None] = lambda instance, name: None
