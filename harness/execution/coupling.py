@@ -72,12 +72,18 @@ def feeding_inputs(
 
 
 def coupling_stages(
-    outputs: Iterable[Endpoint], wires: Iterable[Wire], feeding: Feeding, *, solve: bool = False
+    outputs: Iterable[Endpoint],
+    wires: Iterable[Wire],
+    feeding: Feeding,
+    *,
+    solve: bool = False,
+    initially: bool = False,
 ) -> tuple[Stage, ...]:
     """Stages that read `outputs`, passing values along `wires` where outputs depend on them.
 
     `wires` lead to FMU inputs, from FMU outputs or from values known beforehand. Unless they are
-    to be solved, raises `GraphError` with the ports of an algebraic loop.
+    to be solved, raises `GraphError` with the ports of an algebraic loop; `initially` says that it
+    is one during initialisation.
     """
     outputs = tuple(dict.fromkeys(outputs))
     needs = {output: feeding(output) for output in outputs}
@@ -89,7 +95,12 @@ def coupling_stages(
         graph.add_edge(wire.source, wire.target)
     for output in outputs:
         graph.add_edges_from((end, output) for end in needs[output] if graph.has_node(end))
-    return _stages(_Levels(graph, frozenset(outputs), solve), early, outputs)
+    levels = _Levels(graph, frozenset(outputs))
+    if levels.circles and not solve:
+        first = min(levels.circles)
+        circle = [end for end, group in levels.circle.items() if group == first]
+        raise GraphError(_loop_fault(graph.subgraph(circle), initially))
+    return _stages(levels, early, outputs)
 
 
 def _stages(levels: _Levels, early: list[Wire], outputs: tuple[Endpoint, ...]) -> tuple[Stage, ...]:
@@ -117,9 +128,7 @@ class _Levels:
     the loops.
     """
 
-    def __init__(
-        self, graph: nx.DiGraph[Endpoint], outputs: frozenset[Endpoint], solve: bool
-    ) -> None:
+    def __init__(self, graph: nx.DiGraph[Endpoint], outputs: frozenset[Endpoint]) -> None:
         self.level: dict[Endpoint, int] = {}
         self.circle: dict[Endpoint, int] = {}
         self.circles: dict[int, int] = {}
@@ -127,8 +136,6 @@ class _Levels:
         for group in nx.topological_sort(condensed):
             members: set[Endpoint] = condensed.nodes[group]["members"]
             if len(members) > 1:
-                if not solve:
-                    raise GraphError(_loop_fault(graph.subgraph(members)))
                 before = {p for node in members for p in graph.predecessors(node)} - members
                 place = max((self.level[p] + 1 for p in before), default=0)
                 self.circle |= dict.fromkeys(members, group)
@@ -140,10 +147,11 @@ class _Levels:
             self.level[node] = max(steps, default=0)
 
 
-def _loop_fault(graph: nx.DiGraph[Endpoint]) -> str:
+def _loop_fault(graph: nx.DiGraph[Endpoint], initially: bool) -> str:
     loop = [edge[0] for edge in nx.find_cycle(graph)]
     path = " -> ".join(map(str, [*loop, loop[0]]))
+    when = " during initialisation" if initially else ""
     return (
-        f"algebraic loop by direct feedthrough: {path}; put a delay on one of these wires, or let "
-        'it be solved: algebraic_loops = "solve"'
+        f"algebraic loop by direct feedthrough{when}: {path}; put a delay on one of these wires, "
+        'or let it be solved: algebraic_loops = "solve"'
     )

@@ -107,7 +107,7 @@ class _Planner:
         self.blocks = self._order_blocks()
         self.stages = self._reading_stages(partial(feeding_inputs, descriptions=descriptions))
         self.initial_stages = self._reading_stages(
-            partial(feeding_inputs, descriptions=descriptions, initially=True)
+            partial(feeding_inputs, descriptions=descriptions, initially=True), initially=True
         )
         self.fresh = self._fresh_stages()
         self.written = self._written()
@@ -159,14 +159,16 @@ class _Planner:
         recorded = [end for end in self.recorded if end.component in self.fmus]
         return [*wired, *(end for end in recorded if end not in inputs)]
 
-    def _reading_stages(self, feeding: Feeding) -> tuple[Stage, ...]:
+    def _reading_stages(self, feeding: Feeding, initially: bool = False) -> tuple[Stage, ...]:
         def known(wire: Wire) -> bool:
             source = self.by_name[wire.source.component]
             return isinstance(source, (FmuComponent, SignalComponent))
 
         wires = [w for w in self.lowered.wires if w.target.component in self.fmus and known(w)]
         solve = self.system.solves_loops
-        return coupling_stages(self._fmu_sources(), wires, feeding, solve=solve)
+        return coupling_stages(
+            self._fmu_sources(), wires, feeding, solve=solve, initially=initially
+        )
 
     def _fresh_stages(self) -> tuple[Stage, ...]:
         """How outputs that depend directly on what blocks have just computed reach other FMUs."""

@@ -36,6 +36,7 @@ from harness.execution.actions import (
     flat,
 )
 from harness.execution.compile import compile_step
+from harness.execution.copying import CopyTable
 from harness.execution.iteration import Iteration, snapshot
 from harness.execution.layout import FLOAT64, Layout, access, make_layout, whole
 from harness.execution.plan import Plan
@@ -109,8 +110,7 @@ class _Linker:
         self.exchange_base: int = self.program.exchange.ctypes.data
         self.exchange_used = 0
         self.slots_used = self.layout.size
-        self.copies: list[tuple[int, int]] = []
-        self.scales: list[tuple[float, float]] = []
+        self.copies = CopyTable(self.layout)
         self.shared: dict[Any, list[tuple[list[int], Action]]] = {}
 
     def link(self) -> Program:
@@ -134,8 +134,7 @@ class _Linker:
             [(instant.offset_ns, *spans[id(instant.actions)]) for instant in self.plan.instants],
             dtype=np.int64,
         ).reshape(-1, 3)
-        program.copies = np.array(self.copies, dtype=np.int64).reshape(-1, 2)
-        program.scales = np.array(self.scales, dtype=np.float64).reshape(-1, 2)
+        program.copies, program.scales = self.copies.arrays()
         return program
 
     def operations(self, action: Action) -> list[tuple[list[int], Action]]:
@@ -150,7 +149,7 @@ class _Linker:
     def _operations(self, action: Action) -> Iterable[list[int]]:
         match action:
             case Transfer():
-                return [self._transfer(action)]
+                return [self.copies.transfer(action)]
             case Sample():
                 return [self._sample(action.component)]
             case Compute():
@@ -166,13 +165,11 @@ class _Linker:
             case Record():
                 return [[op.RECORD]]
             case Blend():
-                return self._blend(action)
+                return self.copies.weigh(action)
             case Slope():
                 return self._slope(action)
             case Keep():
-                ends = [Endpoint(action.component, output) for output in action.outputs]
-                places = [(self.layout.slots[e], self.layout.slot(e, "previous")) for e in ends]
-                return [self._copy(places)]
+                return [self.copies.keep(action)]
             case Save() | Restore():
                 place = self.program.snapshots.setdefault(action.component, np.zeros(1, np.int64))
                 instance = self.instances[action.component]
@@ -182,49 +179,12 @@ class _Linker:
             case Iterate():
                 raise AssertionError("an iteration has rows of several actions")
 
-    def _copy(
-        self,
-        places: Sequence[tuple[int, int]],
-        scales: Sequence[tuple[float, float]] | None = None,
-        code: int = op.COPY,
-    ) -> list[int]:
-        """A row that copies from slot to slot, by (factor, offset) where they are not (1, 0)."""
-        first = len(self.copies)
-        self.copies += places
-        self.scales += [(1.0, 0.0)] * len(places) if scales is None else scales
-        return [code, first, len(self.copies)]
-
-    def _transfer(self, action: Transfer) -> list[int]:
-        places = [
-            (self.layout.slot(w.source, action.view), self.layout.slots[w.target])
-            for w in action.wires
-        ]
-        return self._copy(places, [(wire.factor, wire.offset) for wire in action.wires])
-
-    def _blend(self, action: Blend) -> Iterable[list[int]]:
-        targets = [self.layout.slots[wire.target] for wire in action.wires]
-        if action.own != 1.0:
-            places = [(slot, slot) for slot in targets]
-            yield self._copy(places, [(action.own, 0.0)] * len(places))
-        for view, weight in action.terms:
-            sources = [self.layout.slot(wire.source, view) for wire in action.wires]
-            scales = [(weight * wire.factor, weight * wire.offset) for wire in action.wires]
-            yield self._copy(list(zip(sources, targets, strict=True)), scales, op.ADD)
-
     def _slope(self, action: Slope) -> Iterable[list[int]]:
         instance, n = self.instances[action.component], len(action.wires)
         slopes = range(self.slots_used, self.slots_used + n)
         self.slots_used += n
         per_second = 1.0 / to_seconds(action.step_ns)
-        targets = [self.layout.slots[wire.target] for wire in action.wires]
-        yield self._copy(
-            list(zip(targets, slopes, strict=True)), [(action.own * per_second, 0.0)] * n
-        )
-        for view, weight in action.terms:
-            sources = [self.layout.slot(wire.source, view) for wire in action.wires]
-            share = weight * per_second
-            scales = [(share * wire.factor, share * wire.offset) for wire in action.wires]
-            yield self._copy(list(zip(sources, slopes, strict=True)), scales, op.ADD)
+        yield from self.copies.weigh(action, slopes, per_second)
         variables = [instance.description.variable(wire.target.variable) for wire in action.wires]
         references = np.array([v.value_reference for v in variables], dtype=np.uint32)
         orders = np.ones(n, dtype=np.int32)
@@ -240,12 +200,11 @@ class _Linker:
         inputs = [self.layout.slots[wire.target] for wire in action.wires]
         outputs = [self.layout.slot(wire.source, action.view) for wire in action.wires]
         scales = [(wire.factor, wire.offset) for wire in action.wires]
-        yield self._copy(list(zip(inputs, iteration.assumed, strict=True))), action
-        yield self._copy(list(zip(iteration.assumed, inputs, strict=True))), action
+        yield self.copies.row(inputs, iteration.assumed), action
+        yield self.copies.row(iteration.assumed, inputs), action
         body = [pair for inner in action.body for pair in self.operations(inner)]
         yield from body
-        found = self._copy(list(zip(outputs, iteration.found, strict=True)), scales)
-        yield found, action
+        yield self.copies.row(outputs, iteration.found, scales), action
         yield iteration.solve(self.base), action
         yield [op.REPEAT, iteration.first, len(body) + 3], action
 

@@ -8,7 +8,7 @@ the two runs is when it got there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,8 +71,15 @@ class Arrival:
 def schedule(plan: Plan) -> Iterator[tuple[str, str]]:
     """Pairs (instant, what happens) of one cycle, in order."""
     for instant in plan.instants:
-        for action in instant.actions:
-            yield show(instant.offset_ns) if instant.offset_ns else "0 s", describe(action)
+        for line in _lines(instant.actions):
+            yield show(instant.offset_ns) if instant.offset_ns else "0 s", line
+
+
+def _lines(actions: Iterable[Action], indent: str = "") -> Iterator[str]:
+    for action in actions:
+        yield indent + describe(action)
+        if isinstance(action, Iterate):
+            yield from _lines(action.body, indent + "    ")
 
 
 def describe(action: Action) -> str:
@@ -115,7 +122,7 @@ def describe(action: Action) -> str:
             return "end here at the stop time"
         case Iterate():
             ends = ", ".join(str(wire.target) for wire in action.wires)
-            return f"repeat until {ends} agree: {'; '.join(map(describe, action.body))}"
+            return f"repeat until {ends} agree:"
 
 
 def measure_delays(system: System, fmus: Mapping[str, Fmu]) -> dict[Endpoint, tuple[Arrival, ...]]:
