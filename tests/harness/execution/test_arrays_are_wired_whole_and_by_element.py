@@ -85,3 +85,14 @@ def test_what_does_not_fit_is_named(made: object, sentence: str) -> None:
     fmus = {"a": source(), "b": sink(), "c": source(size=2)}
     with pytest.raises(GraphError, match=sentence):
         plan_system(system(*map(fmu, fmus), made), fmus)  # type: ignore[arg-type]
+
+
+def test_one_element_of_what_is_reached() -> None:
+    """Gauss–Seidel reads the whole array at the end of the step, though one element is wired."""
+    fmus = {"a": source(), "b": sink()}
+    rows = run(
+        system(fmu("a"), fmu("b"), wire("a.y[3]", "b.first"), algorithm="gauss-seidel"), fmus
+    )
+    t = np.arange(10) * H / 64
+    expected = 0.9 * rows["b.y"][:-1] + H * rows["a.y[3]"][1:] + t
+    assert np.array_equal(rows["b.y"][1:], expected)
