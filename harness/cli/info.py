@@ -37,6 +37,10 @@ def _as_data(d: ModelDescription, sha256: str) -> dict[str, Any]:
     plain["variables"] = [dataclasses.asdict(v) for v in d.variables.values()]
     plain["units"] = {name: dataclasses.asdict(unit) for name, unit in d.units.items()}
     plain["feedthrough"] = dict(d.feedthrough)
+    plain["display_units"] = {
+        unit: {name: dataclasses.asdict(one) for name, one in shown.items()}
+        for unit, shown in d.display_units.items()
+    }
     return {"sha256": sha256, **plain}
 
 
