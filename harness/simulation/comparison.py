@@ -1,14 +1,16 @@
-"""Comparing a trajectory with a reference: a tube around the reference in time and value.
+"""Comparing a trajectory with a reference: a tube in time and value around the one that has more
+rows, in which the rows of the other must lie.
 
-At each row of the result, at time t, the reference is taken over the window [t - w, t + w], with
-w = `time_band` (s); its smallest and largest value there (with linear interpolation at the ends of
-the window, both sides of every jump, and steps held for what is discrete) are widened by
-`value_band` = `relative` * (largest - smallest of the whole reference, or its largest magnitude
-where it is constant) + `absolute`. The row is inside where its value lies between them. So a jump
-may come earlier or later by w, and a smooth curve may differ by the value band.
+At each row judged, at time t, the tube is taken over the window [t - w, t + w] with w = `time_band`
+(s): the smallest and the largest value there (with interpolation at the ends of the window, both
+sides of every jump, and steps held for what is discrete), widened by `relative` * (largest -
+smallest of the whole reference, or its largest magnitude where it is constant) + `absolute`. So a
+jump may come earlier or later by w, a smooth curve may differ by the value band, and what one of
+the two does between the rows of the other is not judged: a reference sampled every 10 ms does not
+know how fast a ball was when it hit the ground.
 
 Strings and binaries must be equal to some value of the reference in the window. Rows beyond the
-reference's times are not judged. A column agrees where at least `share` of its judged rows are
+times of the other are not judged. A column agrees where at least `share` of its judged rows are
 inside; by default all of them.
 """
 
@@ -39,8 +41,8 @@ class Band:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How one column compares: `inside` of `judged` rows, the largest distance from the reference
-    itself at equal times, and the time (s) of the first row outside the band, if any."""
+    """How one column compares: `inside` of `judged` rows, the largest difference at
+    equal times, and the time (s) of the first row outside the band, if any."""
 
     name: str
     judged: int
@@ -72,16 +74,15 @@ def compare(
 
 
 def tube(
-    time: Array, reference_time: Array, values: Array, band: Band, held: bool
+    at: Array, time: Array, values: Array, band: float, width: float, held: bool
 ) -> tuple[Array, Array]:
-    """The lower and upper edge of the tube at `time`, shapes (n,)."""
-    spread = float(values.max() - values.min()) or float(np.abs(values).max())
-    width = band.relative * spread + band.absolute
-    first = np.searchsorted(reference_time, time - band.time, "left")
-    last = np.searchsorted(reference_time, time + band.time, "right")
-    low, high = np.empty(len(time)), np.empty(len(time))
-    ends = [_at(t, reference_time, values, held) for t in (time - band.time, time + band.time)]
-    for i in range(len(time)):
+    """The lower and upper edge, at the times `at`, of the tube around the trajectory (`time`,
+    `values`); `band` in s, `width` in the unit of the values. Shapes (n,)."""
+    first = np.searchsorted(time, at - band, "left")
+    last = np.searchsorted(time, at + band, "right")
+    low, high = np.empty(len(at)), np.empty(len(at))
+    ends = [_at(t, time, values, held) for t in (at - band, at + band)]
+    for i in range(len(at)):
         window = values[first[i] : last[i]]
         edges = (ends[0][i], ends[1][i])
         low[i] = min(*edges, window.min()) if window.size else min(edges)
@@ -89,23 +90,26 @@ def tube(
     return low - width, high + width
 
 
-def _at(time: Array, reference_time: Array, values: Array, held: bool) -> Array:
+def _at(at: Array, time: Array, values: Array, held: bool) -> Array:
     if held:
-        index = np.searchsorted(reference_time, time, "right") - 1
+        index = np.searchsorted(time, at, "right") - 1
         return np.asarray(values[np.clip(index, 0, len(values) - 1)])
-    return np.asarray(np.interp(time, reference_time, values))
+    return np.asarray(np.interp(at, time, values))
 
 
 def _numbers(
     result: SimulationResult, time: Array, values: Array, name: str, band: Band, held: bool
 ) -> Agreement:
-    judged = _overlap(result.time, time, band)
-    at, own = result.time[judged], np.asarray(result[name], dtype=np.float64)[judged]
-    low, high = tube(at, time, values, band, held)
+    spread = float(values.max() - values.min()) or float(np.abs(values).max())
+    width = band.relative * spread + band.absolute
+    ours = (result.time, np.asarray(result[name], dtype=np.float64))
+    dense, sparse = (ours, (time, values)) if len(ours[0]) > len(time) else ((time, values), ours)
+    judged = _overlap(sparse[0], dense[0], band)
+    at, own = sparse[0][judged], sparse[1][judged]
+    low, high = tube(at, *dense, band.time, width, held)
     inside = (own >= low) & (own <= high)
-    middle = _at(at, time, values, held)
-    largest = float(np.max(np.abs(own - middle))) if len(own) else 0.0
-    return _agreement(name, at, inside, largest, band)
+    distance = np.abs(own - _at(at, *dense, held))
+    return _agreement(name, at, inside, float(distance.max(initial=0.0)), band)
 
 
 def _texts(

@@ -17,6 +17,7 @@ from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, 
 from harness.simulation.clocks import Clocks, has_input_clocks
 from harness.simulation.cosimulation import CoSimulation
 from harness.simulation.inputs import InputData, read_inputs
+from harness.simulation.model_exchange import ModelExchange
 from harness.simulation.outputs import Recorder, SimulationResult, select
 from harness.simulation.settings import Request, Settings, settle
 from harness.simulation.start_values import set_start_values
@@ -65,7 +66,8 @@ def simulate(
         tracks = read_inputs(opened.description, inputs, notes, instance.count)
         clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
         recorder = Recorder(instance, chosen)
-        run = CoSimulation(instance, settings, tracks, clocks, recorder, notes)
+        kind = CoSimulation if settings.interface_type == CO_SIMULATION else ModelExchange
+        run = kind(instance, settings, tracks, clocks, recorder, notes)
         return _finish(run.run(), recorder, opened, settings, notes, progress)
 
 
