@@ -39,6 +39,7 @@ def simulate_command(
     interface_type: Annotated[
         str | None, typer.Option(help="co-simulation or model-exchange")
     ] = None,
+    solver: Annotated[str, typer.Option(help="For model exchange: cvode or euler")] = "cvode",
     output_variables: Annotated[
         list[str] | None,
         typer.Option(help="Record these, * and ? allowed; repeatable; the outputs when absent"),
@@ -65,8 +66,9 @@ def simulate_command(
     from harness.simulation.settings import Request
 
     given = Request(
-        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance
-    )
+        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
+        solver,
+    )  # fmt: skip
     beside = find_cross_check(fmu)
     if beside.options is not None:
         given = _filled(given, read_options(beside.options), beside.options)

@@ -9,18 +9,13 @@ at an address and return 0, a positive number to ask for a smaller step, or a ne
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import SimulationError
-
-Derivatives = Callable[[float, int, int], int]
-"""f(t, address of the states, address of the derivatives)"""
-Indicators = Callable[[float, int, int], int]
-"""g(t, address of the states, address of the event indicators)"""
+from harness.simulation.solver import Derivatives, Indicators
 
 _ONE_STEP, _ROOT_RETURN = 2, 2
 _MOST_ATTEMPTS = 10_000
@@ -117,13 +112,16 @@ class Cvode:
 
     def close(self) -> None:
         """Give the solver's memory back."""
-        if self._memory:
-            self._s.CVodeFree(ctypes.byref(self._memory))
-            core = self._s.libraries
-            core.sundials_sunlinsoldense.SUNLinSolFree_Dense.argtypes = [ctypes.c_void_p]
-            for vector in (self._vector, self._tolerance, self._between):
-                self._s.N_VDestroy_Serial(vector)
-            self._memory = ctypes.c_void_p()
+        if not self._memory:
+            return
+        core, s = self._s.libraries.sundials_core, self._s
+        s.CVodeFree(ctypes.byref(self._memory))
+        core.SUNLinSolFree(self._solver)
+        core.SUNMatDestroy(self._matrix)
+        for vector in (self._vector, self._tolerance, self._between):
+            s.N_VDestroy_Serial(vector)
+        core.SUNContext_Free(ctypes.byref(self._context))
+        self._memory = ctypes.c_void_p()
 
 
 def _address(s: Any, vector: Any) -> int:

@@ -27,6 +27,7 @@ from harness.simulation.grid import Grid, is_close
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 from harness.simulation.settings import SOLVER_TOLERANCE, Settings
+from harness.simulation.solver import Euler, Solver
 
 _MAX_STEP_SHARE = 50
 _OK = (0, 1)
@@ -93,15 +94,16 @@ class ModelExchange:
         finally:
             solver.close()
 
-    def _solver(self, time: float) -> Cvode:
-        s, n = self.settings, max(1, self.part.nx)
+    def _solver(self, time: float) -> Solver:
+        s = self.settings
+        x = self.part.states() if self.part.nx else np.zeros(1)
+        common = (self._derivatives, self._indicators, self.part.nz, time, x)
+        if s.solver == "euler":
+            assert s.step_size is not None
+            return Euler(*common, s.step_size)
         relative = s.relative_tolerance or SOLVER_TOLERANCE
         largest = s.step_size or (s.stop_time - s.start_time) / _MAX_STEP_SHARE
-        x = self.part.states() if self.part.nx else np.zeros(n)
-        return Cvode(
-            self._derivatives, self._indicators, self.part.nz, time, x, relative,
-            self._absolute(relative), largest,
-        )  # fmt: skip
+        return Cvode(*common, relative, self._absolute(relative), largest)
 
     def _absolute(self, relative: float) -> NDArray[np.float64]:
         return relative * self.part.nominals() if self.part.nx else np.ones(1)
@@ -114,7 +116,7 @@ class ModelExchange:
             stop = math.nextafter(time, math.inf)
         return stop, event <= stop
 
-    def _step(self, solver: Cvode, time: float, stop: float) -> tuple[float, bool]:
+    def _step(self, solver: Solver, time: float, stop: float) -> tuple[float, bool]:
         if stop - time <= 8 * math.ulp(max(abs(time), abs(stop))):  # too close for any solver
             return stop, False
         try:
@@ -128,7 +130,7 @@ class ModelExchange:
         close = abs(reached - stop) <= 8 * math.ulp(max(abs(stop), abs(reached)))
         return (stop if close else reached), root
 
-    def _rows_between(self, solver: Cvode, time: float, reached: float) -> None:
+    def _rows_between(self, solver: Solver, time: float, reached: float) -> None:
         """Record the rows due after `time` and before `reached`."""
         at = self.rows.after(time)
         while at < reached and not is_close(at, reached, float(self.rows.step)):
@@ -146,7 +148,7 @@ class ModelExchange:
         event, self.ended = self.instance.completed_integrator_step()
         return event
 
-    def _event(self, solver: Cvode, time: float) -> EventOutcome:
+    def _event(self, solver: Solver, time: float) -> EventOutcome:
         self.recorder.record(time)
         outcome = self.events.handle(time)
         self.segment = time

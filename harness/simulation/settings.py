@@ -23,6 +23,7 @@ from harness.fmi.model_description import ModelDescription
 from harness.simulation.grid import exact
 
 SOLVER_TOLERANCE = 1e-6
+SOLVERS = ("cvode", "euler")
 MOST_STEPS = 10_000
 _DERIVED_ROWS = 500
 
@@ -42,12 +43,13 @@ class Request:
     step_size: float | None = None
     output_interval: float | None = None
     relative_tolerance: float | None = None
+    solver: str = "cvode"
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a simulation goes by (times in s); `step_size` is the communication step, and in model
-    exchange the largest step of the solver (None: the solver's own choice)."""
+    """What a simulation goes by (times in s); `step_size` is the communication step; in model
+    exchange the largest step of CVODE (None: its own choice), or the step of Euler's method."""
 
     interface_type: InterfaceType
     start_time: float
@@ -55,6 +57,7 @@ class Settings:
     step_size: float | None
     output_interval: float | None
     relative_tolerance: float | None
+    solver: str = "cvode"
     notes: tuple[str, ...] = ()
 
 
@@ -96,7 +99,11 @@ def settle(request: Request, d: ModelDescription) -> Settings:
         if value_ is not None and not (math.isfinite(value_) and value_ > 0.0):
             raise UsageError(f"the {what} must be positive, not {value_}")
     tolerance = _first(request.relative_tolerance, d.tolerance)
-    settings = Settings(kind, start, stop, request.step_size, request.output_interval, tolerance)
+    if request.solver not in SOLVERS:
+        raise UsageError(f"solver {request.solver!r} is unknown; choose {' or '.join(SOLVERS)}")
+    settings = Settings(
+        kind, start, stop, request.step_size, request.output_interval, tolerance, request.solver
+    )
     finish = _communication if kind == CO_SIMULATION else _output
     return finish(settings, d, notes)
 
@@ -143,7 +150,8 @@ def _output(s: Settings, d: ModelDescription, notes: list[str]) -> Settings:
     if interval is None:
         interval = derived(s.stop_time - s.start_time)
         notes.append(f"the FMU names no step size: outputs are recorded every {interval:g} s")
-    return replace(s, output_interval=interval, notes=tuple(notes))
+    step = interval if s.solver == "euler" and s.step_size is None else s.step_size
+    return replace(s, output_interval=interval, step_size=step, notes=tuple(notes))
 
 
 def derived(length: float) -> float:

@@ -34,6 +34,7 @@ def simulate(
     step_size: float | None = None,
     output_interval: float | None = None,
     relative_tolerance: float | None = None,
+    solver: str = "cvode",
     start_values: Mapping[str, Any] | None = None,
     inputs: InputData | None = None,
     output_variables: Sequence[str] | None = None,
@@ -47,15 +48,16 @@ def simulate(
     `harness.simulation.settings`. `start_values` by name: numbers, arrays, texts, or pairs
     (value, unit). `inputs`: the path of a CSV file, or by name a number, a function of time, or a
     pair (times, values); see `harness.simulation.inputs`. `output_variables`: names, also with *
-    and ?. `event_mode` False keeps an FMI 3 FMU that has one in plain co-simulation. `progress`
+    and ?. `solver` for model exchange: "cvode", or "euler" with steps of `step_size`. `event_mode` False keeps an FMI 3 FMU that has one in plain co-simulation. `progress`
     receives the share that is done, `echo` each message of the FMU.
 
     Raises `UsageError` for what cannot be meant, and otherwise a `HarnessError` whose `result`
     holds the rows recorded before the fault.
     """
     request = Request(
-        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance
-    )
+        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
+        solver,
+    )  # fmt: skip
     with ExitStack() as stack:
         opened = fmu if isinstance(fmu, Fmu) else stack.enter_context(Fmu(Path(fmu)))
         settings = settle(request, opened.description)
@@ -123,6 +125,7 @@ def _manifest(
         "stop_time": settings.stop_time, "step_size": settings.step_size,
         "output_interval": settings.output_interval,
         "relative_tolerance": settings.relative_tolerance,
+        "solver": settings.solver,
     }  # fmt: skip
     record = FmuRecord(fmu.description.name, fmu.path.name, fmu.sha256)
     wall_time = wall_clock.perf_counter() - began
