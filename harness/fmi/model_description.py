@@ -188,7 +188,11 @@ def _adapt(d: Any, root: Any) -> ModelDescription:
         description=d.description or "",
         generation_tool=d.generationTool or "",
         co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional, fmi1),
-        model_exchange=_capabilities(d.modelExchange, "ModelExchange" in directional),
+        model_exchange=_capabilities(
+            d.modelExchange,
+            "ModelExchange" in directional,
+            None if fmi1 is None else {"needs_completed_integrator_step": True},
+        ),
         variables=variables,
         units={u.name: _unit(u) for u in d.unitDefinitions},
         feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},

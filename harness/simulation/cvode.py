@@ -116,8 +116,8 @@ class Cvode:
             return
         core, s = self._s.libraries.sundials_core, self._s
         s.CVodeFree(ctypes.byref(self._memory))
-        core.SUNLinSolFree(self._solver)
-        core.SUNMatDestroy(self._matrix)
+        for free, thing in ((core.SUNLinSolFree, self._solver), (core.SUNMatDestroy, self._matrix)):
+            free(ctypes.cast(thing, ctypes.c_void_p))
         for vector in (self._vector, self._tolerance, self._between):
             s.N_VDestroy_Serial(vector)
         core.SUNContext_Free(ctypes.byref(self._context))

@@ -64,6 +64,9 @@ def simulate(
         chosen = select(opened.description, output_variables)
         instance = stack.enter_context(_instance(opened, settings, event_mode, echo))
         notes = list(settings.notes)
+        stepping = settings.interface_type == CO_SIMULATION
+        if stepping and not instance.event_mode and has_input_clocks(opened.description):
+            notes.append("the FMU's clocks never tick: co-simulation is done without event mode")
         set_start_values(instance, start_values or {})
         tracks = read_inputs(opened.description, inputs, notes, instance.count)
         clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
@@ -84,11 +87,6 @@ def _instance(
         stepping and d.co_simulation is not None
         and (events or d.co_simulation.might_return_early)
     )  # fmt: skip
-    if stepping and has_input_clocks(d) and not events:
-        raise HarnessError(
-            f"FMU {d.name} has input clocks, which tick in event mode only, and "
-            + ("event mode was switched off" if offered else "its co-simulation has no event mode")
-        )
     return fmu.instantiate(
         d.name, interface_type=kind, event_mode=events, early_return=early,
         logging=echo is not None, echo=echo,
