@@ -92,7 +92,8 @@ class CoSimulation:
                 f"ended at {outcome.time:.9g} s, though no early return was allowed"
             )
         event = self.instance.event_mode and self._event_at(time, reached, outcome)
-        if event or early or self._wanted(reached):
+        jump = self.inputs.next_event(time) == reached
+        if event or early or jump or outcome.terminate or self._wanted(reached):
             self.recorder.record(reached)
         self.ended = outcome.terminate
         if event and not self.ended:

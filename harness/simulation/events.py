@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from harness.errors import SimulationError
 from harness.fmi.instance import FmuInstance
 from harness.simulation.clocks import Clocks
+from harness.simulation.grid import is_close
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 
@@ -33,7 +34,7 @@ class EventHandler:
         """`recorder` reads what depends on clocks while they are active."""
         self.instance, self.inputs = instance, inputs
         self.clocks, self.recorder = clocks, recorder
-        self._last, self._repeats = -math.inf, 0
+        self._last, self._repeats = 0.0, 0
 
     def initial(self, time: float) -> EventOutcome:
         """The event at the end of initialisation; the instance is in event mode already."""
@@ -83,7 +84,7 @@ class EventHandler:
         self.recorder.hold(active)
 
     def _check_progress(self, time: float) -> None:
-        self._repeats = self._repeats + 1 if time <= self._last else 0
+        self._repeats = self._repeats + 1 if is_close(time, self._last, 1e-3) else 0
         self._last = time
         if self._repeats > MOST_EVENTS_AT_ONCE:
             raise SimulationError(

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, nearest
+from harness.errors import SimulationError, UsageError, nearest
 from harness.fmi.instance import FmuInstance
 from harness.fmi.model_description import REAL_TYPES, ModelDescription, Variable
 from harness.fmi.values import flat, parse_value
@@ -59,7 +59,7 @@ class Track:
 
     def _at(self, time: float, upper: int) -> Sequence[Any]:
         if self.function is not None:
-            return flat(self.function(time))
+            return self._computed(self.function, time)
         if upper == 0:  # a row at this very time is reached from the left
             return self.rows[0]
         if upper == len(self.times) or not self.continuous:
@@ -70,6 +70,14 @@ class Track:
         share = (time - left) / (right - left)
         pairs = zip(self.rows[upper - 1], self.rows[upper], strict=True)
         return [a if share == 0.0 else b if share == 1.0 else a + share * (b - a) for a, b in pairs]
+
+    def _computed(self, function: Function, time: float) -> Sequence[Any]:
+        try:
+            return flat(function(time))
+        except Exception as fault:
+            raise SimulationError(
+                f"the function of input {self.variable.name!r} failed at t = {time:.9g} s: {fault!r}"
+            ) from fault
 
     def events(self) -> set[float]:
         """Times of discontinuities."""

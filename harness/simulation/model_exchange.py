@@ -179,11 +179,6 @@ class ModelExchange:
         except HarnessError as caught:
             self.fault = caught
             return -1
-        except Exception as caught:  # a user's function of time; ctypes would swallow it
-            self.fault = SimulationError(
-                f"an input could not be computed at t = {time:.9g} s: {caught!r}"
-            )
-            return -1
 
     def _refused(self, status: int, name: str, time: float) -> int:
         """Ask the solver for a smaller step after Discard, else end."""
