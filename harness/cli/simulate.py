@@ -76,6 +76,8 @@ def simulate_command(
         input_file = beside.inputs
         _say(f"inputs are taken from {beside.inputs}")
     with Fmu(fmu) as opened:
+        if validate_against is not None and output_variables is None:
+            output_variables = _recorded(opened, validate_against)
         starts = _starts(opened, start_values or [])
         fault: HarnessError | None = None
         try:
@@ -100,6 +102,19 @@ def _filled(given: Request, options: Request, path: Path) -> Request:
     known = {name: value for name, value in vars(given).items() if value is not None}
     _say(f"options are taken from {path}")
     return replace(options, **known)
+
+
+def _recorded(opened: Fmu, reference: Path) -> list[str]:
+    """The default outputs and the columns of the reference."""
+    from harness.simulation.csv_files import read_reference
+    from harness.simulation.outputs import select
+
+    d = opened.description
+    known = [v.name for v in select(d, None)]
+    for column in read_reference(reference, {}).columns:
+        whole = column if column in d.variables else column.partition("[")[0]
+        known += [whole] if whole in d.variables else []
+    return list(dict.fromkeys(known))
 
 
 def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:

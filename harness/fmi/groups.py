@@ -77,9 +77,11 @@ class VariableGroup:
             elif self.is_text:
                 self.data[:] = [str(one).encode() for one in values]
             else:
-                self.data[:] = [v * s for v, s in zip(values, self.signs.tolist(), strict=True)] if (
-                    self.negated
-                ) else list(values)
+                self.data[:] = (
+                    [v * s for v, s in zip(values, self.signs.tolist(), strict=True)]
+                    if (self.negated)
+                    else list(values)
+                )
         except (TypeError, ValueError, OverflowError) as fault:
             names = ", ".join(self.places)
             raise FmuError(

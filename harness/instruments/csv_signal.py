@@ -112,7 +112,8 @@ def read_csv_table(path: Path, *, as_text: bool = False) -> CsvTable:
             parse_options=arrow_csv.ParseOptions(delimiter=delimiter),
             convert_options=arrow_csv.ConvertOptions(
                 column_types=types,
-                true_values=["True", "true", "TRUE"], false_values=["False", "false", "FALSE"]
+                true_values=["True", "true", "TRUE"],
+                false_values=["False", "false", "FALSE"],
             ),
         )
     except pa.ArrowInvalid as fault:

@@ -116,5 +116,3 @@ def _seconds(duration: tuple[int, int] | float | None) -> Fraction | None:
     if isinstance(duration, tuple):
         return Fraction(duration[0], duration[1])
     return exact(duration)
-
-

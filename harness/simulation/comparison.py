@@ -112,15 +112,13 @@ def _numbers(
     return _agreement(name, at, inside, float(distance.max(initial=0.0)), band)
 
 
-def _texts(
-    result: SimulationResult, reference: ReferenceTable, name: str, band: Band
-) -> Agreement:
+def _texts(result: SimulationResult, reference: ReferenceTable, name: str, band: Band) -> Agreement:
     judged = _overlap(result.time, reference.time, band)
     at, cells = result.time[judged], reference.columns[name]
     own = [str(one) for one in result[name][judged]]
     inside = np.zeros(len(at), dtype=np.bool_)
     for i, text in enumerate(own):
-        first = int(np.searchsorted(reference.time, at[i] - band.time, "left"))
+        first = int(np.searchsorted(reference.time, at[i] - band.time, "right"))
         last = int(np.searchsorted(reference.time, at[i] + band.time, "right"))
         inside[i] = text in cells[max(first - 1, 0) : max(last, 1)]
     return _agreement(name, at, inside, 0.0 if inside.all() else float("nan"), band)

@@ -100,5 +100,3 @@ def _split(
             f"{path}: column {name!r} has a cell of {len(wrong)} elements, the array has {size}"
         )
     return [tuple(column) for column in zip(*rows, strict=True)]
-
-

@@ -71,14 +71,14 @@ class Cvode:
         view[:] = values
         return vector, view
 
-    def _error(
-        self, line: int, function: Any, file: Any, message: Any, code: int, *_: Any
-    ) -> None:
+    def _error(self, line: int, function: Any, file: Any, message: Any, code: int, *_: Any) -> None:
         self._message = (message or b"").decode("utf-8", "replace")
 
     def _do(self, function: str, flag: int) -> None:
         if flag < 0:
-            raise SimulationError(f"the solver CVODE failed in {function} ({flag}): {self._message}")
+            raise SimulationError(
+                f"the solver CVODE failed in {function} ({flag}): {self._message}"
+            )
 
     def _set_tolerances(self) -> None:
         flag = self._s.CVodeSVtolerances(self._memory, self._relative, self._tolerance)
@@ -89,9 +89,7 @@ class Cvode:
         an indicator changed its sign there. `x` holds the states at that time."""
         self._do("CVodeSetStopTime", self._stop(self._memory, stop))
         reached = ctypes.c_double()
-        flag = self._s.CVode(
-            self._memory, stop, self._vector, ctypes.byref(reached), _ONE_STEP
-        )
+        flag = self._s.CVode(self._memory, stop, self._vector, ctypes.byref(reached), _ONE_STEP)
         self._do("CVode", flag)
         return reached.value, flag == _ROOT_RETURN
 

@@ -178,9 +178,7 @@ def _role(v: Variable) -> str:
     return f"a {v.variability} {v.causality}" if v.causality != "output" else "an output"
 
 
-def _from_python(
-    v: Variable, value: Any, count: Callable[[Variable], int]
-) -> Track:
+def _from_python(v: Variable, value: Any, count: Callable[[Variable], int]) -> Track:
     if callable(value):
         return Track(v, function=value)
     if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1:

@@ -174,7 +174,9 @@ class ModelExchange:
                 if status not in _OK:
                     return self._refused(status, name, time)
             self.inputs.apply_continuous(self.instance, time, after=time <= self.segment)
-            status = part.get_derivatives(out) if read == "derivatives" else part.get_indicators(out)
+            status = (
+                part.get_derivatives(out) if read == "derivatives" else part.get_indicators(out)
+            )
             return 0 if status in _OK else self._refused(status, f"Get({read})", time)
         except HarnessError as caught:
             self.fault = caught

@@ -167,9 +167,7 @@ class Recorder:
                 for i, name in enumerate(names):
                     yield v, name, [row[i] for row in rows]
                 continue
-            at, group = next(
-                (i, g) for i, g in enumerate(self._groups) if v.name in g.places
-            )
+            at, group = next((i, g) for i, g in enumerate(self._groups) if v.name in g.places)
             for name, column in zip(names, _slices(self._rows[at], group, v), strict=True):
                 yield v, name, column
 

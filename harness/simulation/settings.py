@@ -118,7 +118,9 @@ def _communication(s: Settings, d: ModelDescription, notes: list[str]) -> Settin
             step = _divisor(s.output_interval, fixed)
         if step is None:
             step = derived(s.stop_time - s.start_time)
-            notes.append(f"the FMU names no step size: {step:g} s was derived from the run's length")
+            notes.append(
+                f"the FMU names no step size: {step:g} s was derived from the run's length"
+            )
         elif s.output_interval is None:
             step = _coarser(step, s.stop_time - s.start_time, notes)
     return replace(s, step_size=step, notes=tuple(notes))

@@ -40,9 +40,7 @@ def parse_assignment(d: ModelDescription, text: str) -> tuple[str, StartValue]:
     """The name and value of "name=value" or "name=value[unit]"; raises `UsageError`."""
     name, equals, value = _split(d, text)
     if not equals or not name:
-        raise UsageError(
-            f"start value {text!r} must have the form name=value or name=value[unit]"
-        )
+        raise UsageError(f"start value {text!r} must have the form name=value or name=value[unit]")
     match = re.match(r"^(.*?)\s*\[([^\]]+)\]\s*$", value)
     found = StartValue(match[1].strip(), match[2].strip()) if match else StartValue(value)
     return name, found

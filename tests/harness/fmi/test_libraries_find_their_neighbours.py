@@ -67,7 +67,9 @@ def test_dependencies_of_dependencies(
     assert folder not in maps  # all three are unloaded again
 
 
-def test_what_is_not_in_the_fmu_is_not_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_not_in_the_fmu_is_not_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     made = build(tmp_path, "elsewhere", soname=True, by_path=False)
     bare = tmp_path / "bare.fmu"
     with zipfile.ZipFile(made) as source, zipfile.ZipFile(bare, "w") as target:
@@ -75,7 +77,10 @@ def test_what_is_not_in_the_fmu_is_not_found(tmp_path: Path, monkeypatch: pytest
             if "elsewhere" not in name:
                 target.writestr(name, source.read(name))
     monkeypatch.chdir(tmp_path)  # where the libraries lie
-    with Fmu(bare) as fmu, pytest.raises(FmuError, match=r"needy\.so .* libmiddle\.so: cannot open"):
+    with (
+        Fmu(bare) as fmu,
+        pytest.raises(FmuError, match=r"needy\.so .* libmiddle\.so: cannot open"),
+    ):
         fmu.instantiate("x")
 
 
@@ -93,5 +98,3 @@ def test_folders_of_dead_processes_are_swept(tmp_path: Path) -> None:
     other.mkdir()
     subprocess.run([sys.executable, "-c", make], env=environment, check=True, capture_output=True)
     assert alive.is_dir() and other.is_dir() and not left.exists()
-
-

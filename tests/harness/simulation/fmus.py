@@ -142,7 +142,9 @@ def _fmi3() -> str:
         ("even", 33, "output", 'intervalVariability="triggered"'),
         ("changing", 37, "input", 'intervalVariability="changing"'),
     ):
-        lines.append(f'<Clock name="{name}" valueReference="{reference}" causality="{causality}" {more}/>')
+        lines.append(
+            f'<Clock name="{name}" valueReference="{reference}" causality="{causality}" {more}/>'
+        )
     for name, reference, clock in (("ticks", 34, 30), ("downs", 35, 31), ("users", 36, 32),
                                    ("changes", 38, 37)):  # fmt: skip
         lines.append(_three("Int32", name, reference, "output", "discrete", f'clocks="{clock}"'))
@@ -153,7 +155,9 @@ def _fmi3() -> str:
         more = "" if text is not None else f'start="{start}"'
         declared = ' declaredType="Option"' if type_ == "Enumeration" else ""
         kind = "continuous" if type_ == "Float32" else "discrete"
-        lines.append(_three(type_, f"{type_}_in", 40 + 2 * i, "input", kind, more + declared, inner))
+        lines.append(
+            _three(type_, f"{type_}_in", 40 + 2 * i, "input", kind, more + declared, inner)
+        )
         lines.append(_three(type_, f"{type_}_out", 41 + 2 * i, "output", kind, declared))
     outputs = [1, 3, 4, 9, 22, 23, 33, 34, 35, 36, 38, *(41 + 2 * i for i in range(len(TYPES_3)))]
     structure = "".join(f'<Output valueReference="{r}"/>' for r in outputs)

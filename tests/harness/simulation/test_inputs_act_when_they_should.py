@@ -77,7 +77,9 @@ def test_a_function_that_fails_ends_the_run_and_rows_are_kept(
             raise fault
         return 0.0
 
-    with pytest.raises(SimulationError, match="function of input 'u' failed at t = 0.[56]") as caught:
+    with pytest.raises(
+        SimulationError, match="function of input 'u' failed at t = 0.[56]"
+    ) as caught:
         simulate(model_fmu("2"), interface_type=interface, stop_time=1.0, output_interval=0.1,
                  inputs={"u": broken})  # fmt: skip
     assert caught.value.result.time[-1] >= 0.4
@@ -122,5 +124,3 @@ def test_items_of_an_enumeration_go_by_name(tmp_path: Path) -> None:
     table.write_text("Time, o_in, b_in\n0, high, True\n")
     result = simulate(model_fmu("2"), stop_time=0.1, step_size=0.1, inputs=table)
     assert result["o_out"][-1] == 7 and result["b_out"][-1]
-
-
