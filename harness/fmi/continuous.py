@@ -56,7 +56,7 @@ class ContinuousPart:
         if size == 0:
             return lambda address: 0
         bound = self._bind(name, ctypes.c_void_p, ctypes.c_size_t)
-        return lambda address: bound(address, size)  # type: ignore[no-any-return]
+        return lambda address: bound(address, size)
 
     def states(self) -> NDArray[np.float64]:
         """The continuous states, shape (nx,); raises `FmuError`."""

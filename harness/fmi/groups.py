@@ -37,7 +37,7 @@ class VariableGroup:
             *(v.value_reference for v in self.variables)
         )
         self._sizes = (ctypes.c_size_t * total)()
-        self.data = ((ctypes.c_void_p if self.is_binary else ctype) * total)()
+        self.data: Any = ((ctypes.c_void_p if self.is_binary else ctype) * total)()
         plain = not (self.is_binary or self.is_text)
         self.view: Any = np.frombuffer(self.data, dtype=ctype) if plain and total else None
         self.signs = np.ones(total, dtype=np.int64)
@@ -83,9 +83,9 @@ class VariableGroup:
                     else list(values)
                 )
         except (TypeError, ValueError, OverflowError) as fault:
-            names = ", ".join(self.places)
+            names, given = ", ".join(self.places), list(values)
             raise FmuError(
-                f"component {self.instance.name}: {names} cannot be set to {list(values)!r}: {fault}"
+                f"component {self.instance.name}: {names} cannot be set to {given!r}: {fault}"
             ) from fault
         self._call("Set")
         del kept

@@ -65,7 +65,7 @@ def capabilities(description: ModelDescription, interface_type: InterfaceType) -
     }  # fmt: skip
     found = kinds[interface_type]
     if found is None:
-        offered = [kind for kind, one in kinds.items() if one is not None]
+        offered: list[str] = [kind for kind, one in kinds.items() if one is not None]
         if description.scheduled_execution:
             offered.append("scheduled execution, which needs a real-time scheduler and is not run")
         raise FmuError(

@@ -53,7 +53,7 @@ class Variable:
     size: int = 1
     derivative_of: str | None = None
     dimensions: tuple[int | str, ...] = ()
-    details: Details = Details()
+    details: Details = field(default_factory=Details)
 
 
 @dataclass(frozen=True)

@@ -125,7 +125,8 @@ def _texts(result: SimulationResult, reference: ReferenceTable, name: str, band:
 
 
 def _overlap(time: Array, reference: Array, band: Band) -> NDArray[np.bool_]:
-    return (time >= reference[0] - band.time) & (time <= reference[-1] + band.time)
+    inside = (time >= reference[0] - band.time) & (time <= reference[-1] + band.time)
+    return np.asarray(inside, dtype=np.bool_)
 
 
 def _agreement(

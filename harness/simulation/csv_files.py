@@ -80,10 +80,8 @@ def read_reference(path: Path, arrays: dict[str, tuple[int, ...]]) -> ReferenceT
         if name.lower() == "time":
             continue
         shape = arrays.get(name, ())
-        for element, values in zip(
-            element_names(name, shape), _split(path, name, cells, shape), strict=True
-        ):
-            columns[element] = values
+        split = _split(path, name, cells, shape)
+        columns |= dict(zip(element_names(name, shape), split, strict=True))
     return ReferenceTable(path, time, columns)
 
 

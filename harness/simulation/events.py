@@ -57,7 +57,7 @@ class EventHandler:
         nominals = False
         ticking = self.clocks.due(time)
         for _ in range(MOST_ITERATIONS):
-            self.instance.set({name: True for name in ticking})
+            self.instance.set(dict.fromkeys(ticking, True))
             self._read_clocks(ticking)
             self.clocks.ticked(ticking, time)
             states = self.instance.update_discrete_states()

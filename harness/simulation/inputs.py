@@ -75,8 +75,9 @@ class Track:
         try:
             return flat(function(time))
         except Exception as fault:
+            name = self.variable.name
             raise SimulationError(
-                f"the function of input {self.variable.name!r} failed at t = {time:.9g} s: {fault!r}"
+                f"the function of input {name!r} failed at t = {time:.9g} s: {fault!r}"
             ) from fault
 
     def events(self) -> set[float]:

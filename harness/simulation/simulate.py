@@ -45,11 +45,12 @@ def simulate(
     """Simulate one FMU of FMI 1, 2 or 3, in co-simulation or model exchange.
 
     Times are in seconds; what is None comes from the FMU or is derived, see
-    `harness.simulation.settings`. `start_values` by name: numbers, arrays, texts, or pairs
-    (value, unit). `inputs`: the path of a CSV file, or by name a number, a function of time, or a
-    pair (times, values); see `harness.simulation.inputs`. `output_variables`: names, also with *
-    and ?. `solver` for model exchange: "cvode", or "euler" with steps of `step_size`. `event_mode` False keeps an FMI 3 FMU that has one in plain co-simulation. `progress`
-    receives the share that is done, `echo` each message of the FMU.
+    `harness.simulation.settings`. `solver` for model exchange: "cvode", or "euler" with steps of
+    `step_size`. `start_values` by name: numbers, arrays, texts, or pairs (value, unit). `inputs`:
+    the path of a CSV file, or by name a number, a function of time, or a pair (times, values); see
+    `harness.simulation.inputs`. `output_variables`: names, also with * and ?. `event_mode` False
+    keeps an FMI 3 FMU that has one in plain co-simulation. `progress` receives the share that is
+    done, `echo` each message of the FMU.
 
     Raises `UsageError` for what cannot be meant, and otherwise a `HarnessError` whose `result`
     holds the rows recorded before the fault.

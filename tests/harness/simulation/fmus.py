@@ -79,8 +79,8 @@ def _fmi1(kind: str) -> str:
         'canHandleVariableCommunicationStepSize="true" canHandleEvents="true"/>'
         "</CoSimulation_StandAlone></Implementation>"
     )  # fmt: skip
-    return f"""<fmiModelDescription fmiVersion="1.0" modelName="test" modelIdentifier="test" guid="{{1}}"
-  numberOfContinuousStates="3" numberOfEventIndicators="1"><ModelVariables>
+    return f"""<fmiModelDescription fmiVersion="1.0" modelName="test" modelIdentifier="test"
+  guid="{{1}}" numberOfContinuousStates="3" numberOfEventIndicators="1"><ModelVariables>
   {_join(lines)}</ModelVariables>{tail}</fmiModelDescription>"""
 
 

@@ -1,4 +1,4 @@
-"""Clocks in event mode: periodic, countdown, changing and triggered ones, and those that are read."""
+"""Clocks in event mode: periodic, countdown, changing and triggered ones, and output clocks."""
 
 import numpy as np
 import pytest

@@ -78,7 +78,7 @@ def test_a_function_that_fails_ends_the_run_and_rows_are_kept(
         return 0.0
 
     with pytest.raises(
-        SimulationError, match="function of input 'u' failed at t = 0.[56]"
+        SimulationError, match=r"function of input 'u' failed at t = 0\.[56]"
     ) as caught:
         simulate(model_fmu("2"), interface_type=interface, stop_time=1.0, output_interval=0.1,
                  inputs={"u": broken})  # fmt: skip

@@ -1,4 +1,4 @@
-"""Our own plants: model exchange by CVODE gives the trajectory of their co-simulation, FMI 2 and 3."""
+"""Our own plants: model exchange by CVODE gives the trajectory of their co-simulation."""
 
 import numpy as np
 import pytest

@@ -107,7 +107,8 @@ def test_the_types_of_fmi_1_and_2(kind: str, interface: str | None) -> None:
 
 
 @pytest.mark.parametrize(("name", "value"), [
-    ("Int8_in", 128), ("UInt8_in", -1), ("Int32_in", 2**31), ("UInt64_in", 2**64), ("Int16_in", 1.5),
+    ("Int8_in", 128), ("UInt8_in", -1), ("Int32_in", 2**31), ("UInt64_in", 2**64),
+    ("Int16_in", 1.5),
 ])  # fmt: skip
 def test_what_does_not_fit_is_refused_instead_of_wrapped(name: str, value: float) -> None:
     with pytest.raises(FmuError, match=f"variable '{name}' of type .* cannot be set to"):
