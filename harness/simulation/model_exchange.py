@@ -23,7 +23,7 @@ from harness.fmi.instance import DISCARD, FmuInstance
 from harness.simulation.clocks import Clocks
 from harness.simulation.cvode import Cvode
 from harness.simulation.events import EventHandler, EventOutcome
-from harness.simulation.grid import Grid, is_close
+from harness.simulation.grid import Grid
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 from harness.simulation.settings import SOLVER_TOLERANCE, Settings
@@ -74,13 +74,14 @@ class ModelExchange:
 
     def _solve(self, time: float, outcome: EventOutcome) -> Iterator[float]:
         self.segment = time
+        self.next_row = 1
         self.ended = False
         solver = self._solver(time)
         try:
             while time < self.settings.stop_time and not self.ended:
                 stop, is_event = self._stop(time, outcome.next_time)
                 reached, root = self._step(solver, time, stop)
-                self._rows_between(solver, time, reached)
+                due = self._rows_between(solver, reached)
                 self._move(reached, solver.x)
                 step_event = self._completed()
                 time = reached
@@ -88,7 +89,7 @@ class ModelExchange:
                     self.recorder.record(time)
                 elif root or step_event or (is_event and time >= stop):
                     outcome = self._event(solver, time)
-                elif self.rows.holds(time) or time >= self.settings.stop_time:
+                elif due or time >= self.settings.stop_time:
                     self.recorder.record(time)
                 yield time
         finally:
@@ -130,13 +131,16 @@ class ModelExchange:
         close = abs(reached - stop) <= 8 * math.ulp(max(abs(stop), abs(reached)))
         return (stop if close else reached), root
 
-    def _rows_between(self, solver: Solver, time: float, reached: float) -> None:
-        """Record the rows due after `time` and before `reached`."""
-        at = self.rows.after(time)
-        while at < reached and not is_close(at, reached, float(self.rows.step)):
+    def _rows_between(self, solver: Solver, reached: float) -> bool:
+        """Record the rows due before `reached`; whether one is due at that very time."""
+        while (at := self.rows.at(self.next_row)) < reached:
             self._move(at, solver.at(at))
             self.recorder.record(at)
-            at = self.rows.after(at)
+            self.next_row += 1
+        if at > reached:
+            return False
+        self.next_row += 1
+        return True
 
     def _move(self, time: float, x: NDArray[np.float64]) -> None:
         self.part.move(time, x)
