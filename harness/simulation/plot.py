@@ -9,14 +9,16 @@ from harness.errors import RecordingError
 from harness.simulation.outputs import SimulationResult
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_MOST_CURVES = 8
+_MOST_CURVES = 5
+_LINE = 100  # letters that fit above a panel
 
 
 def simulation_plot(result: SimulationResult, title: str = "") -> Figure:
-    """The recorded numbers over time (s); at most 8 curves a panel, and a panel a unit."""
-    from harness.results.plots import axis_label, legend, line_style, panels
+    """The recorded numbers over time (s); at most 5 curves a panel, and a panel a unit."""
+    from harness.results.plots import axis_label, line_style, panels
 
     groups = _panels(result)
     figure, axes = panels(len(groups), title)
@@ -26,9 +28,18 @@ def simulation_plot(result: SimulationResult, title: str = "") -> Figure:
             style = line_style(index) | ({"drawstyle": "steps-post"} if step else {})
             panel.plot(result.time, result[name], label=name, **style)
         panel.set_ylabel(axis_label(names[0] if len(names) == 1 else "value", unit))
-        legend(panel)
+        _legend(panel, names)
     figure.align_ylabels()
     return figure
+
+
+def _legend(panel: Axes, names: list[str]) -> None:
+    """Above the panel, in as many columns as the names leave room for."""
+    columns = max(1, min(len(names), _LINE // (max(map(len, names)) + 8)))
+    panel.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.05), ncols=columns, frameon=False,
+        fontsize="small", borderaxespad=0.2,
+    )  # fmt: skip
 
 
 def _panels(result: SimulationResult) -> list[tuple[str, list[str]]]:
