@@ -39,7 +39,9 @@ class VariableGroup:
         self._sizes = (ctypes.c_size_t * total)()
         self.data: Any = ((ctypes.c_void_p if self.is_binary else ctype) * total)()
         plain = not (self.is_binary or self.is_text)
-        self.view: Any = np.frombuffer(memoryview(self.data), dtype=ctype) if plain and total else None
+        self.view: Any = (
+            np.frombuffer(memoryview(self.data), dtype=ctype) if plain and total else None
+        )
         self.signs = np.ones(total, dtype=np.int64)
         for v in self.variables:
             if v.details.negated:

@@ -13,17 +13,24 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import FmuError
+from harness.fmi.interface import (
+    CO_SIMULATION,
+    MODEL_EXCHANGE,
+    DiscreteStates,
+    InterfaceType,
+    StepOutcome,
+    capabilities,
+)
 from harness.fmi.library import library_path, load
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
-from harness.fmi.model_description import Capabilities, ModelDescription, Variable
+from harness.fmi.model_description import ModelDescription, Variable
 from harness.fmi.values import Value, Values, binaries, binary_pointers, from_c, to_c
 
 __all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
@@ -31,48 +38,6 @@ __all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "
 
 DISCARD = 2
 FATAL = 4
-InterfaceType = Literal["co-simulation", "model-exchange"]
-CO_SIMULATION: InterfaceType = "co-simulation"
-MODEL_EXCHANGE: InterfaceType = "model-exchange"
-
-
-@dataclass(frozen=True)
-class StepOutcome:
-    """How a communication step ended: the time (s) up to which it was computed, whether the FMU
-    asks for event handling or for the end of the simulation, and whether it gave the step up."""
-
-    time: float
-    event_needed: bool = False
-    terminate: bool = False
-    discarded: bool = False
-
-
-@dataclass(frozen=True)
-class DiscreteStates:
-    """What an FMU says after one iteration of event handling; `next_event_time` in s."""
-
-    needs_update: bool
-    terminate: bool = False
-    nominals_changed: bool = False
-    values_changed: bool = False
-    next_event_time: float | None = None
-
-
-def capabilities(description: ModelDescription, interface_type: InterfaceType) -> Capabilities:
-    """What the FMU can do in this kind of interface; raises `FmuError` where it lacks it."""
-    kinds = {
-        CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange,
-    }  # fmt: skip
-    found = kinds[interface_type]
-    if found is None:
-        offered: list[str] = [kind for kind, one in kinds.items() if one is not None]
-        if description.scheduled_execution:
-            offered.append("scheduled execution, which needs a real-time scheduler and is not run")
-        raise FmuError(
-            f"FMU {description.name} offers no {interface_type}; it offers "
-            + (" and ".join(offered) or "nothing")
-        )
-    return found
 
 
 class FmuInstance(ABC):

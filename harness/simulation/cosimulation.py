@@ -104,7 +104,7 @@ class CoSimulation:
     def _event_at(self, time: float, reached: float, outcome: StepOutcome) -> bool:
         """Whether the FMU or the user wants an event at the end of the step."""
         theirs = self.inputs.next_event(time) <= reached or self.clocks.next(time) <= reached
-        return outcome.event_needed or theirs
+        return outcome.event_needed or theirs or self.inputs.jumped(reached)
 
     def _wanted(self, time: float) -> bool:
         at_end = is_close(time, self.settings.stop_time, float(self.steps.step))

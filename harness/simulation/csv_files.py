@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from harness.errors import RecordingError, UsageError
 from harness.instruments.csv_signal import plain_name, read_csv_table
 from harness.results.storage import csv_header
-from harness.simulation.inputs import time_column
+from harness.simulation.input_data import time_column
 from harness.simulation.outputs import SimulationResult, element_names
 
 

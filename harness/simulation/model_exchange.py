@@ -12,6 +12,7 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,7 +63,8 @@ class ModelExchange:
         if self.ended:
             last = self.recorder.times[-1]
             self.notes.append(f"the FMU asked to end the simulation at t = {last:.9g} s")
-        self.instance.terminate()
+        with suppress(FmuError):  # what was computed is there
+            self.instance.terminate()
 
     def _initialise(self, time: float) -> EventOutcome:
         s = self.settings
@@ -87,7 +89,7 @@ class ModelExchange:
                 time = reached
                 if self.ended:
                     self.recorder.record(time)
-                elif root or step_event or (is_event and time >= stop):
+                elif root or step_event or (is_event and time >= stop) or self._jumped(due, time):
                     outcome = self._event(solver, time)
                 elif due or time >= self.settings.stop_time:
                     self.recorder.record(time)
@@ -113,6 +115,8 @@ class ModelExchange:
         """How far the solver may go, and whether an event waits there."""
         event = min(time_event, self.inputs.next_event(time), self.clocks.next(time))
         stop = min(event, self.inputs.next_kink(time), self.settings.stop_time)
+        if self.inputs.has_held_functions:
+            stop = min(stop, self.rows.at(self.next_row))
         if stop <= time:  # a time event that is due now
             stop = math.nextafter(time, math.inf)
         return stop, event <= stop
@@ -145,6 +149,9 @@ class ModelExchange:
     def _move(self, time: float, x: NDArray[np.float64]) -> None:
         self.part.move(time, x)
         self.inputs.apply_continuous(self.instance, time, after=time <= self.segment)
+
+    def _jumped(self, due: bool, time: float) -> bool:
+        return due and self.inputs.has_held_functions and self.inputs.jumped(time)
 
     def _completed(self) -> bool:
         if not self.instance.capabilities.needs_completed_integrator_step:

@@ -152,6 +152,7 @@ class Recorder:
             columns.append(Column(name, units[v.name].unit or "1", v.description))
             numbers.append(own.astype(np.float64))
         time = np.array(self.times, dtype=np.float64)
+        notes = [*notes, *_not_finite(time, columns, numbers)]
         data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
         return SimulationResult(
             tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
@@ -170,6 +171,16 @@ class Recorder:
             at, group = next((i, g) for i, g in enumerate(self._groups) if v.name in g.places)
             for name, column in zip(names, _slices(self._rows[at], group, v), strict=True):
                 yield v, name, column
+
+
+def _not_finite(
+    time: NDArray[np.float64], columns: Sequence[Column], numbers: Sequence[NDArray[np.float64]]
+) -> Iterator[str]:
+    for column, values in zip(columns, numbers, strict=True):
+        odd = np.flatnonzero(~np.isfinite(values))
+        if odd.size:
+            at, value = time[odd[0]], values[odd[0]]
+            yield f"{column.name} is {value} at t = {at:.9g} s, the first of {odd.size} such rows"
 
 
 def _slices(rows: list[Any], group: VariableGroup, v: Variable) -> Iterator[Sequence[Any]]:

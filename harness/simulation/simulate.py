@@ -9,14 +9,14 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from harness.errors import HarnessError
+from harness.errors import HarnessError, SimulationError
 from harness.fmi.fmu import Fmu
 from harness.fmi.instance import CO_SIMULATION, FmuInstance
 from harness.fmi.logger import LogMessage
 from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
 from harness.simulation.clocks import Clocks, has_input_clocks
 from harness.simulation.cosimulation import CoSimulation
-from harness.simulation.inputs import InputData, read_inputs
+from harness.simulation.input_data import InputData, read_inputs
 from harness.simulation.model_exchange import ModelExchange
 from harness.simulation.outputs import Recorder, SimulationResult, select
 from harness.simulation.settings import Request, Settings, settle
@@ -107,6 +107,9 @@ def _finish(
                 progress((time - settings.start_time) / length)
     except HarnessError as caught:
         fault = caught
+    except KeyboardInterrupt:
+        until = recorder.times[-1] if recorder.times else settings.start_time
+        fault = SimulationError(f"interrupted after t = {until:.9g} s")
     result = recorder.result(_manifest(fmu, settings, recorder, fault, began), notes)
     if fault is not None:
         fault.result = result

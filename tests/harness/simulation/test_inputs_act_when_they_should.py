@@ -124,3 +124,30 @@ def test_items_of_an_enumeration_go_by_name(tmp_path: Path) -> None:
     table.write_text("Time, o_in, b_in\n0, high, True\n")
     result = simulate(model_fmu("2"), stop_time=0.1, step_size=0.1, inputs=table)
     assert result["o_out"][-1] == 7 and result["b_out"][-1]
+
+
+@pytest.mark.parametrize("interface", ["co-simulation", "model-exchange"])
+def test_a_function_for_what_is_held_acts_at_the_next_row(interface: str) -> None:
+    result = simulate(
+        model_fmu("3"), interface_type=interface, stop_time=1.0, output_interval=0.25,
+        inputs={"Int16_in": lambda t: int(t >= 0.4)}, output_variables=["Int16_out"],
+    )  # fmt: skip
+    at = dict(zip(result.time.tolist(), result["Int16_out"].tolist(), strict=True))
+    assert (at[0.25], at[0.5], at[1.0]) == (0, 1, 1)
+
+
+def test_values_that_are_not_finite_are_noted() -> None:
+    result = simulate(model_fmu("2"), stop_time=1.0, step_size=0.5, output_variables=["x"],
+                      inputs={"u": ([0.0, 0.5, 0.5], [0.0, 0.0, math.inf])})  # fmt: skip
+    assert result.notes == ("x is nan at t = 1 s, the first of 1 such rows",)
+
+
+def test_an_interrupt_keeps_the_rows() -> None:
+    def impatient(t: float) -> float:
+        if t > 0.5:
+            raise KeyboardInterrupt
+        return 0.0
+
+    with pytest.raises(SimulationError, match=r"interrupted after t = 0\.6 s") as caught:
+        simulate(model_fmu("2"), stop_time=1.0, step_size=0.1, inputs={"u": impatient})
+    assert len(caught.value.result.time) == 7
