@@ -47,17 +47,21 @@ class VariableGroup:
             if v.details.negated:
                 self.signs[self.places[v.name]] = -1
         self.negated = bool((self.signs < 0).any())
+        self._arguments = self._bound_arguments()
+        names = self.variables[0].name if len(counts) == 1 else f"{len(counts)} variables"
+        self._what = f" of {names}"
 
-    def _call(self, verb: str) -> None:
+    def _bound_arguments(self) -> tuple[Any, ...]:
+        """What every call passes: all of it stays where it is."""
         sized = self.instance.prefix == "fmi3" and self.suffix != "Clock"
         blocks = [self._sizes, self.data] if self.is_binary else [self.data]
         pointers = [ctypes.c_void_p(ctypes.addressof(block)) for block in blocks]
         extra = [ctypes.c_size_t(len(self.data))] if sized else []
         references = ctypes.c_void_p(ctypes.addressof(self._references))
-        count = ctypes.c_size_t(len(self.variables))
-        names = self.variables[0].name if len(self.variables) == 1 else f"{len(self.variables)}"
-        what = f" of {names}" + ("" if len(self.variables) == 1 else " variables")
-        self.instance.call(f"{verb}{self.suffix}", references, count, *pointers, *extra, what=what)
+        return references, ctypes.c_size_t(len(self.variables)), *pointers, *extra
+
+    def _call(self, verb: str) -> None:
+        self.instance.call(f"{verb}{self.suffix}", *self._arguments, what=self._what)
 
     def read(self) -> Any:
         """The elements of all variables: a new array of numbers, or a list of str or bytes."""

@@ -67,11 +67,9 @@ class CoSimulation:
         """The next communication point."""
         target = self.steps.after(time)
         if self.variable_step:
-            ahead = (
-                self.rows.after(time), self.inputs.next_event(time), self.clocks.next(time),
-                self.settings.stop_time,
-            )  # fmt: skip
-            target = min(target, *ahead)
+            rows = target if self.rows == self.steps else self.rows.after(time)
+            events = min(self.inputs.next_event(time), self.clocks.next(time))
+            target = min(target, rows, events, self.settings.stop_time)
         elif is_close(target, self.settings.stop_time, float(self.steps.step)):
             target = self.settings.stop_time
         return target

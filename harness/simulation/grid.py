@@ -6,7 +6,7 @@ Numbers are taken as they are written in decimals, so that 3 * 0.1 is 0.3.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 
@@ -17,10 +17,19 @@ def exact(seconds: float) -> Fraction:
 
 @dataclass(frozen=True)
 class Grid:
-    """The instants `start` + k * `step` (s)."""
+    """The instants `start` + k * `step` (s), as integers over one denominator: the division of two
+    integers is rounded correctly, and fast."""
 
     start: Fraction
     step: Fraction
+    _parts: tuple[int, int, int] = field(init=False, repr=False)
+    _size: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Find the common denominator."""
+        whole = math.lcm(self.start.denominator, self.step.denominator)
+        object.__setattr__(self, "_parts", (int(self.start * whole), int(self.step * whole), whole))
+        object.__setattr__(self, "_size", float(self.step))
 
     @staticmethod
     def of(start: float, step: float) -> Grid:
@@ -29,23 +38,25 @@ class Grid:
 
     def at(self, k: int) -> float:
         """The k-th instant."""
-        return float(self.start + k * self.step)
+        first, step, whole = self._parts
+        return (first + k * step) / whole
 
     def after(self, time: float) -> float:
         """The first instant later than `time`; one that `time` has missed by rounding is past."""
-        k = math.floor((Fraction(time) - self.start) / self.step)
-        k = max(k, 0) if time >= self.start else 0
-        while self.at(k) <= time or is_close(self.at(k), time, float(self.step)):
+        k = max(0, int((time - self.at(0)) / self._size) - 1)
+        at = self.at(k)
+        while at <= time or is_close(at, time, self._size):
             k += 1
-        return self.at(k)
+            at = self.at(k)
+        return at
 
     def holds(self, time: float) -> bool:
         """Whether `time` is an instant of the grid, but for rounding."""
-        k = round((Fraction(time) - self.start) / self.step)
-        return is_close(self.at(k), time, float(self.step))
+        k = round((time - self.at(0)) / self._size)
+        return is_close(self.at(k), time, self._size)
 
 
 def is_close(a: float, b: float, scale: float) -> bool:
     """Whether two instants differ by rounding only: by at most 1e-9 of `scale` (s) or
     four units in the last place."""
-    return abs(a - b) <= max(1e-9 * scale, 4 * math.ulp(max(abs(a), abs(b))))
+    return a == b or abs(a - b) <= max(1e-9 * scale, 4 * math.ulp(max(abs(a), abs(b))))
