@@ -148,7 +148,7 @@ class ModelExchange:
 
     def _move(self, time: float, x: NDArray[np.float64]) -> None:
         self.part.move(time, x)
-        self.inputs.apply_continuous(self.instance, time, after=time <= self.segment)
+        self.inputs.apply_continuous(self.instance, time, after=False)
 
     def _jumped(self, due: bool, time: float) -> bool:
         return due and self.inputs.has_held_functions and self.inputs.jumped(time)

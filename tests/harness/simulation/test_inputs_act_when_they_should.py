@@ -51,6 +51,28 @@ def test_a_ramp_is_solved_to_the_tolerance(
     assert np.abs(result["x"] - exact).max() < 1e-7
 
 
+@pytest.mark.parametrize(("kind", "interface"), SOLVED)
+def test_the_solver_meets_every_corner_of_an_input(kind: str, interface: str | None) -> None:
+    """With k = 0, x is the integral of u: a pulse of 2 ms between steps of 20 ms is not missed."""
+    pulse = ([0.0, 0.505, 0.506, 0.507, 1.0], [0.0, 0.0, 100.0, 0.0, 0.0])
+    result = simulate(
+        model_fmu(kind), interface_type=interface, stop_time=1.0, output_interval=0.5,
+        inputs={"u": pulse}, start_values={"k": 0.0, "h": 100.0}, relative_tolerance=1e-9,
+    )  # fmt: skip
+    assert result["x"][-1] == pytest.approx(1.0 + 0.1, abs=1e-7)
+
+
+def test_after_a_jump_its_later_value_counts_from_the_first_evaluation() -> None:
+    """By Euler's method with k = 0, x grows by 0.25 u(t) a step; u jumps from 0 to 2 at 0.5 s."""
+    result = simulate(
+        model_fmu("2"), interface_type="me", solver="euler", stop_time=1.0, step_size=0.25,
+        inputs={"u": ([0.0, 0.5, 0.5], [0.0, 0.0, 2.0])}, start_values={"k": 0.0},
+        output_variables=["x"],
+    )  # fmt: skip
+    last = dict(zip(result.time.tolist(), result["x"].tolist(), strict=True))
+    assert [last[t] for t in (0.0, 0.25, 0.5, 0.75, 1.0)] == [1.0, 1.0, 1.0, 1.5, 2.0]
+
+
 def test_co_simulation_holds_an_input_from_each_communication_point() -> None:
     result = simulate(model_fmu("2"), stop_time=1.0, step_size=0.125, inputs={"u": lambda t: t})
     x = [1.0]
