@@ -76,6 +76,7 @@ class FmuInstance(ABC):
         self._environment = register(self.log)
         self.handle = self._instantiate(folder, logging)
         if not self.handle:
+            self.free()
             raise FmuError(
                 f"component {name}: FMU {description.name} could not be instantiated: "
                 f"{self.log.reasons()}"
