@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import FmuError, HarnessError
-from harness.execution.native import native_step
+from harness.execution.native import native_key, native_step
 from harness.system.block import Block
 
 ExtraFiles = Callable[[Path], Mapping[str, bytes]]
@@ -38,15 +39,15 @@ def controller_fmu(
     `name` becomes the model's identifier, with underscores for what no identifier may hold.
     `targets` are the platforms of its binaries ("aarch64-linux", "win64", "all"), this one when
     none is named. `extra(path)` gets the finished FMU and returns files to add below `extra/`.
-    Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be packed.
+    Raises `CompileError` where the step cannot be native code, `FmuError` where no FMU can hold it.
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")
-    step = native_step(block)
     package = registry.packager("native")
     try:
         path: Path = package(
-            step,
+            partial(native_step, block),
+            step_key=native_key(block),
             name=identifier(name),
             description=description or f"Controller {name}.",
             sample_time_ns=period_ns,
