@@ -42,7 +42,6 @@ _CONSTRUCTS: dict[type[ast.AST], tuple[str, str]] = {
     ast.ImportFrom: ("imports a module", "import it at the head of the file"),
     ast.Global: ("changes a global variable", "keep what it remembers in x"),
     ast.Nonlocal: ("changes an outer variable", "keep what it remembers in x"),
-    ast.MatMult: ("multiplies matrices with @", _LOOP),
 }
 _ALLOCATING = frozenset(
     (
@@ -97,8 +96,8 @@ def _nodes(tree: ast.FunctionDef) -> Iterator[ast.AST]:
 
 
 def _fault(node: ast.AST, function: FunctionType) -> tuple[str, str] | None:
-    if isinstance(node, ast.BinOp):
-        return _CONSTRUCTS.get(type(node.op))
+    if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.MatMult):
+        return "multiplies matrices with @", _LOOP
     if isinstance(node, ast.Call):
         name = _called(node, function)
         if name in _OUTSIDE:

@@ -1,4 +1,4 @@
-"""What a Mach-O library (64 bits, little endian) offers and asks for, read from its symbol table."""
+"""What a Mach-O library (64 bits, little endian) offers and asks for, from its symbol table."""
 
 from __future__ import annotations
 

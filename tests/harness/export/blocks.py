@@ -1,4 +1,4 @@
-"""Blocks to export: every registered controller as some experiment configures it, and small ones."""
+"""Blocks to export: the registered controllers as experiments configure them, and small ones."""
 
 from __future__ import annotations
 

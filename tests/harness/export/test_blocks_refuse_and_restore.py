@@ -43,7 +43,9 @@ def fragile_step(p: Array, x: Array, u: Array, y: Array) -> None:
 
 
 def fragile() -> Block:
-    return Block((Signal("u"),), (Signal("y"),), fragile_step, state=np.zeros(1), state_names=("n",))
+    return Block(
+        (Signal("u"),), (Signal("y"),), fragile_step, state=np.zeros(1), state_names=("n",)
+    )
 
 
 def test_nan_fails_the_step_and_keeps_the_values(version: int, new_instance: NewInstance) -> None:

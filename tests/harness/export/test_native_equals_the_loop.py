@@ -1,7 +1,5 @@
 """The FMU of a controller gives the bits that its step gives in the loop, sample for sample."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
