@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.cross.machines import EMULATORS, HAS_ZIG, run_there
-from tests.harness.export.blocks import InProcess, example, pid
+from tests.harness.export.blocks import InProcess, example, pid, random_inputs
 
 pytestmark = [
     pytest.mark.slow,
@@ -33,8 +33,7 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Mon
 @pytest.mark.parametrize("name", ["pid", "fuzzy_pid", "two_mass_controller"])
 def test_arithmetic(platform: str, name: str, tmp_path: Path) -> None:
     block, sample_time = (pid(), 0.01) if name == "pid" else example(name)
-    starts = [s.start for s in block.inputs]
-    inputs = starts + np.random.default_rng(5).standard_normal((500, len(starts)))
+    inputs = random_inputs(block, 500)
     loop = InProcess(block)
     expected = np.array([loop(row).copy() for row in inputs])
     assert np.ptp(expected[:, 0]) > 0.1

@@ -39,8 +39,8 @@ EXAMPLES = {
 # state_controller is a base for others and takes a model; two_mass_controller is one of its kind
 WITHOUT_EXAMPLE = {"state_controller"}
 LONG_TO_COMPILE = {
-    "fuzzy_inertia_estimator", "fuzzy_inertia_tables", "gain_adaptation_curve", "identifier",
-    "kalman_bucy", "servo_estimator", "tuned_fuzzy_pid", "two_mass_kalman",
+    "fuzzy_inertia_estimator", "fuzzy_inertia_tables", "fuzzy_pid", "gain_adaptation_curve",
+    "identifier", "kalman_bucy", "servo_estimator", "tuned_fuzzy_pid", "two_mass_kalman",
 }  # fmt: skip
 
 
@@ -79,6 +79,13 @@ def counter() -> Block:
         state_names=("count",),
         tunable=("increment",),
     )
+
+
+def random_inputs(block: Block, n: int) -> NDArray[np.float64]:
+    """n rows of inputs about their start values: forces up to kilonewtons, all else about 0.1."""
+    scale = [1000.0 if s.unit == "N" else 0.1 for s in block.inputs]
+    draws = np.random.default_rng(3).standard_normal((n, len(scale)))
+    return np.array([s.start for s in block.inputs]) + scale * draws
 
 
 class InProcess:

@@ -1,4 +1,4 @@
-"""What the description of a controller's FMU says: clock, units, no feedthrough, the whole state."""
+"""What the description of a controller's FMU says: clock, units, no feedthrough, all states."""
 
 import zipfile
 from pathlib import Path

@@ -12,6 +12,7 @@ from tests.harness.export.blocks import (
     WITHOUT_EXAMPLE,
     InProcess,
     example,
+    random_inputs,
 )
 from tests.harness.export.conftest import NewInstance
 
@@ -33,9 +34,7 @@ def test_bit_for_bit(name: str, version: int, new_instance: NewInstance) -> None
     instance, loop = new_instance(block, version, sample_time), InProcess(block)
     inputs = [s.name for s in block.inputs]
     outputs = [s.name for s in block.outputs]
-    rng = np.random.default_rng(3)
-    for k in range(300):
-        u = np.array([s.start for s in block.inputs]) + 0.1 * rng.standard_normal(len(inputs))
+    for k, u in enumerate(random_inputs(block, 300)):
         instance.set(**dict(zip(inputs, u.tolist(), strict=True)))
         instance.step(k, sample_time)
         expected = loop(u)
