@@ -5,13 +5,14 @@ Both go through the bench, so that what is exported is what would run, down to t
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from harness import registry
 from harness.bench import Bench
-from harness.clock import to_seconds
+from harness.clock import to_period, to_seconds
 from harness.errors import HarnessError, UsageError, nearest
 from harness.experiment.experiment import Experiment
 from harness.system.block import Block
@@ -41,6 +42,8 @@ def named_controller(
         raise UsageError(
             f"controller {source} needs its sample time in seconds, as in --sample-time 0.01"
         )
+    to_period(sample_time, f"sample time of {source}")
+    _require_parameters(source, registry.controller(source), parameters)
     chosen = name or source.rpartition(":")[2].lower()
     bench = Bench(stop_time=sample_time, step=sample_time)
     bench.controller(chosen, source, **parameters)
@@ -72,6 +75,23 @@ def controllers_of(
         _found(legal[name], f"{_kind(bench, name)}, {name} of {loaded.name} ({chosen}).")
         for name in components or blocks
     ]
+
+
+def _require_parameters(source: str, kind: Any, parameters: Mapping[str, Any]) -> None:
+    """Name what has no default and was not given, and how to give it."""
+    if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        return
+    fields = {field.name: field for field in dataclasses.fields(kind)}
+    absent = [
+        name
+        for name, field in fields.items()
+        if field.default is field.default_factory is dataclasses.MISSING and name not in parameters
+    ]
+    if absent and set(parameters) <= set(fields):
+        raise UsageError(
+            f"controller {source} needs {', '.join(absent)}, as in --set {absent[0]}=VALUE; or "
+            "take one of an experiment: --experiment NAME --component NAME"
+        )
 
 
 def _kind(bench: Bench, name: str) -> str:

@@ -61,7 +61,8 @@ def test_one_of_an_experiment(capsys: pytest.CaptureFixture[str], tmp_path: Path
     [
         (("pid", "--set", "kp=1"), 2, "needs its sample time in seconds, as in --sample-time"),
         (("pid", "--sample-time", "0.01", "--set", "kq=1"), 2, "no parameter 'kq'; did you mean"),
-        (("pid", "--sample-time", "0"), 2, "must be positive"),
+        (("pid", "--sample-time", "0"), 2, "sample time of pid must be positive"),
+        (("pid", "--sample-time", "0.01"), 2, "controller pid needs kp, as in --set kp=VALUE"),
         (("pidd",), 2, "no plant or controller 'pidd'; did you mean 'pid'?"),
         (("hybrid_actuator", "--sample-time", "1"), 2, "are for controllers, not for plants"),
         (("--variant", "pid"), 2, "belong to --experiment NAME"),
