@@ -17,7 +17,7 @@ from types import FunctionType
 
 from numba.core.errors import NumbaError
 
-from harness.execution.compile import CompileError, functions_of
+from harness.execution.compile import CompileError, step_functions
 
 _ROOM = "give the block's state room for it and work on a slice of x"
 _LOOP = "write a loop over the elements, with room for the result in the block's state"
@@ -62,7 +62,7 @@ _OUTSIDE = {
 def refuse_constructs(step: FunctionType) -> None:
     """Raise `CompileError` at the first construct of the step, or of a function that it calls,
     that an FMU without Python cannot have."""
-    for function in functions_of(step):
+    for function in step_functions(step):
         tree = _tree(function)
         for node in [] if tree is None else _nodes(tree):
             fault = _fault(node, function)
@@ -138,7 +138,7 @@ def sentence(step: FunctionType, fault: NumbaError) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     said = next((line for line in lines if not line.startswith("Failed in")), "no reason given")
     where = re.findall(r'File "([^"]+)", line (\d+)', text)
-    files = {function.__code__.co_filename: function for function in functions_of(step)}
+    files = {function.__code__.co_filename: function for function in step_functions(step)}
     for path, line in where:
         for name, function in files.items():
             if name.endswith(path.lstrip("./")):

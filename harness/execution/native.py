@@ -20,28 +20,28 @@ from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import FunctionType
+from typing import Any
 
 import llvmlite
 import llvmlite.binding as llvm
 import numba
-from numba import njit
+import numpy as np
+from numba import carray, njit, types
 from numba.core import config
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import NumbaError, NumbaWarning
 
 from harness.execution.compile import (
-    SIGNATURE,
     CompileError,
-    c_entry,
-    functions_of,
-    plain_function,
-    rebuilt,
-    sizes_of,
+    rebuilt_step,
     step_fingerprint,
+    step_functions,
 )
 from harness.execution.diagnosis import foreign_sentence, refuse_constructs, sentence
 from harness.system.block import Block
 
+_POINTER = types.CPointer(types.float64)
+_SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
 ENTRY = "block_step"
 # What the C libraries of all platforms have, of the same meaning.
 LIBRARY = frozenset(
@@ -69,9 +69,9 @@ def native_step(block: Block) -> str:
 
     Raises `CompileError` naming the function, the line and the construct that cannot be.
     """
-    step = plain_function(block.step)
+    step = step_functions(block.step)[0]
     refuse_constructs(step)
-    step_fingerprint(block)  # which refuses what no compiled step may be
+    step_fingerprint(step)  # which refuses what no compiled step may be
     lowered, inner = _lowered(step, block, debug=False)
     module = llvm.parse_assembly(_detached(lowered, inner))
     for value in (*module.functions, *module.global_variables):
@@ -91,8 +91,15 @@ def native_step(block: Block) -> str:
 
 def native_key(block: Block) -> str:
     """Changes with the module that `native_step` makes; raises `CompileError` as it does."""
-    refuse_constructs(plain_function(block.step))
-    parts = (step_fingerprint(block), numba.__version__, llvmlite.__version__, _own_code())
+    step = step_functions(block.step)[0]
+    refuse_constructs(step)
+    parts = (
+        step_fingerprint(step),
+        repr(_sizes(block)),
+        numba.__version__,
+        llvmlite.__version__,
+        _own_code(),
+    )
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 
 
@@ -101,13 +108,28 @@ def _own_code() -> str:
     return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
+def _sizes(block: Block) -> tuple[int, ...]:
+    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
+
+
+def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _lowered
+    arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
+    step(*arrays)  # type: ignore[name-defined]  # noqa: F821
+    return np.int32(0)
+
+
 def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str]:
     """What numba makes of the step, not optimised, and the name of its entry in there."""
     try:
         with global_compiler_lock, _no_optimisation():
             options = {"no_cpython_wrapper": True, "debug": debug}
-            entry = c_entry(rebuilt(step, "native", **options), sizes_of(block), "native_entry")
-            make = njit(SIGNATURE, error_model="numpy", no_cfunc_wrapper=True, **options)
+            scope = {
+                **globals(),
+                "step": rebuilt_step(step, "native", **options),
+                **dict(zip(("N_P", "N_X", "N_U", "N_Y"), _sizes(block), strict=True)),
+            }
+            entry = FunctionType(_entry.__code__, scope, "native_entry")
+            make = njit(_SIGNATURE, error_model="numpy", no_cfunc_wrapper=True, **options)
             function = make(entry)
     except NumbaError as fault:
         raise CompileError(sentence(step, fault)) from fault
@@ -128,11 +150,11 @@ def _leading_to(step: FunctionType, block: Block, foreign: list[str]) -> list[st
         reaching |= more
     places = {int(number): line for number, line in _LOCATION.findall(lowered)}
     found = set()
-    for function in functions_of(step):
+    for function in step_functions(step):
         own = {name for name in calls if f"{function.__name__}_in_native" in name}
         for name in own:
             for callee, location in calls[name]:
-                theirs = any(f"{f.__name__}_in_native" in callee for f in functions_of(step))
+                theirs = any(f"{f.__name__}_in_native" in callee for f in step_functions(step))
                 if callee in reaching and not theirs and location in places:
                     found.add((function.__code__.co_filename, int(places[location])))
     return [f"{path}:{line}" for path, line in sorted(found)]
