@@ -10,16 +10,17 @@ This module refuses blocks that are plain Python callables: they have no step fu
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import FmuError, HarnessError
 from harness.execution.native import native_step
+from harness.execution.source import python_source
+from harness.export.certificate import MEMBER
+from harness.export.certify import block_certificate
 from harness.system.block import Block
-
-ExtraFiles = Callable[[Path], Mapping[str, bytes]]
 
 
 def controller_fmu(
@@ -31,19 +32,26 @@ def controller_fmu(
     phase: float = 0.0,
     description: str = "",
     targets: Sequence[str] = (),
-    extra: ExtraFiles | None = None,
+    portable: bool = False,
+    certified: bool = True,
 ) -> Path:
     """The FMU of `block`, from the cache or built; `sample_time` and `phase` in seconds.
 
     `name` becomes the model's identifier, with underscores for what no identifier may hold.
     `targets` are the platforms of its binaries ("aarch64-linux", "win64", "all"), this one when
-    none is named. `extra(path)` gets the finished FMU and returns files to add below `extra/`.
+    none is named. `portable` asks for the pythonfmu packaging (FMI 2, needs Python with numpy).
+    The FMU carries a parity certificate unless it is not to be `certified`.
     Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be packed.
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")
-    step = native_step(block)
+    step = python_source(block) if portable else native_step(block)
     package = registry.packager("native")
+
+    def certificate(path: Path) -> dict[str, bytes]:
+        made = block_certificate(path, block, sample_time)
+        return {MEMBER.removeprefix("extra/"): made.as_bytes()}
+
     try:
         path: Path = package(
             step,
@@ -58,9 +66,10 @@ def controller_fmu(
             parameter_names=getattr(block, "parameter_names", ()),
             state_names=getattr(block, "state_names", ()),
             tunable=getattr(block, "tunable", ()),
-            fmi_version=fmi_version,
+            fmi_version=2 if portable else fmi_version,
             targets=targets,
-            extra=extra,
+            extra=certificate if certified else None,
+            portable=portable,
         )
     except HarnessError:
         raise

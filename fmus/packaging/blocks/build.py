@@ -64,7 +64,7 @@ def cached_block_fmu(
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
     found = find_targets(targets)
     files = block_files(model, fmi_version)
-    path = place(model.name, content_hash(files), f"{made_by(found)} {_name(extra)}")
+    path = place(model.name, content_hash(files), f"{made_by(found)} {extra_name(extra)}")
     if not path.exists():
         write_atomically(path, partial(_write, model, fmi_version, files, found, extra))
     return path
@@ -87,10 +87,12 @@ def package_block(
     fmi_version: int = 3,
     targets: Sequence[str] = (),
     extra: ExtraFiles | None = None,
+    portable: bool = False,
 ) -> Path:
     """`cached_block_fmu` for a block as whoever compiled its `step` has it: signals with name,
     unit, description and start, values as arrays, names where there are any. This is what the
-    entry-point group `fmu_harness.packagers` offers as "native"."""
+    entry-point group `fmu_harness.packagers` offers as "native". Where it is `portable`, `step` is
+    Python text and the FMU is FMI 2, for this and every other platform."""
     p_names = numbered("parameters", parameter_names, len(parameters))
     x_names = numbered("state", state_names, len(state))
     can_tune = [name in tunable for name in parameter_names] or [False] * len(parameters)
@@ -108,6 +110,10 @@ def package_block(
         step,
         phase_ns,
     )
+    if portable:
+        from fmus.packaging.blocks.portable import cached_portable_block
+
+        return cached_portable_block(model, extra)
     return cached_block_fmu(model, fmi_version, targets=targets, extra=extra)
 
 
@@ -124,7 +130,8 @@ def block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
     return generate(content_token(generate(_UNKNOWN_TOKEN)))
 
 
-def _name(extra: ExtraFiles | None) -> str:
+def extra_name(extra: ExtraFiles | None) -> str:
+    """What stands for `extra` in the key of an FMU."""
     return "" if extra is None else f"{extra.__module__}.{extra.__qualname__}"
 
 
@@ -145,10 +152,17 @@ def _write(
     }
     object_for = partial(object_code, model.step)
     binaries = compiled_binaries(model.name, fmi_version, sources, targets, object_for)
-    complete = {**files, **binaries}
+    write_with_extra({**files, **binaries}, model.name, extra, path)
+
+
+def write_with_extra(
+    files: Mapping[str, bytes], name: str, extra: ExtraFiles | None, path: Path
+) -> None:
+    """Write the archive with what `extra` adds to it, below `extra/`."""
+    complete = dict(files)
     if extra is not None:
         with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
-            plain = Path(folder, f"{model.name}.fmu")
+            plain = Path(folder, f"{name}.fmu")
             write_archive(complete, plain)
-            complete |= {f"extra/{name}": data for name, data in extra(plain).items()}
+            complete |= {f"extra/{key}": data for key, data in extra(plain).items()}
     write_archive(complete, path)
