@@ -41,7 +41,8 @@ def controller_fmu(
     `targets` are the platforms of its binaries ("aarch64-linux", "win64", "all"), this one when
     none is named. `portable` asks for the pythonfmu packaging (FMI 2, needs Python with numpy).
     The FMU carries a parity certificate unless it is not to be `certified`.
-    Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be packed.
+    Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be
+    packed.
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")

@@ -60,9 +60,7 @@ def _timing(model: BlockModel) -> str:
     )
 
 
-def _interface_type(
-    root: ET.Element, model: BlockModel, fmi_version: int, portable: bool
-) -> None:
+def _interface_type(root: ET.Element, model: BlockModel, fmi_version: int, portable: bool) -> None:
     attributes = {
         "modelIdentifier": model.name,
         "canHandleVariableCommunicationStepSize": "true",
