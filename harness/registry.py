@@ -7,6 +7,7 @@ Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -34,8 +35,10 @@ class Plant(Protocol):
     def description(self) -> str:
         """One line for people."""
 
-    def fmu(self, fmi_version: int = 3, *, portable: bool = False) -> Path:
-        """The path of its FMU, built when it is not there yet."""
+    def fmu(
+        self, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+    ) -> Path:
+        """The path of its FMU, built when it is not there yet, for platforms such as "win64"."""
 
 
 @cache
@@ -54,11 +57,15 @@ def plant(name: str) -> Plant:
     return loaded
 
 
-def plant_fmu(name: str, fmi_version: int = 3, *, portable: bool = False) -> Path:
-    """The FMU of a plant, FMI 2 where it is `portable`; raises `FmuError` when there is none."""
+def plant_fmu(
+    name: str, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+) -> Path:
+    """The FMU of a plant, FMI 2 where it is `portable`, with binaries for this machine or for
+    `targets`; raises `FmuError` when there is none."""
     found = plant(name)
+    given = {"targets": targets} if targets else {}  # plants of others may know this machine only
     try:
-        return found.fmu(2 if portable else fmi_version, portable=portable)
+        return found.fmu(2 if portable else fmi_version, portable=portable, **given)
     except Exception as fault:  # a plant of another package has errors of its own
         raise FmuError(f"plant {name} cannot be packaged as an FMU: {fault}") from fault
 

@@ -49,8 +49,8 @@ def cached_fmu(
     """Path of the plant's FMU in the cache, built when it is not there yet.
 
     `targets` are the platforms of its binaries, see `find_targets`; the running one when none is
-    named. Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one and a
-    `PortableFallback` warning says so. Raises PackagingError when the FMU cannot be built.
+    named. Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one
+    and a `PortableFallback` warning says so. Raises PackagingError when it cannot be built.
     """
     if fmi_version not in (2, 3):
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")

@@ -57,14 +57,24 @@ def compile_step(block: Block) -> CompiledStep:
 
     Raises `CompileError` naming the function and the reason.
     """
-    sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    function = plain_function(block.step)
-    digest = hashlib.sha256(repr(sizes).encode())
-    _fingerprint(function, (), {}, digest)
-    name = f"step_{digest.hexdigest()[:24]}"
+    function, sizes = plain_function(block.step), sizes_of(block)
+    name = f"step_{step_fingerprint(block)[:24]}"
     if name not in _compiled:
         _compiled[name] = _compile(function, sizes, name)
     return _compiled[name]
+
+
+def step_fingerprint(block: Block) -> str:
+    """Hash of all that the machine code of `block.step` depends on; raises `CompileError` for what
+    cannot be compiled."""
+    digest = hashlib.sha256(repr(sizes_of(block)).encode())
+    _fingerprint(plain_function(block.step), (), {}, digest)
+    return digest.hexdigest()
+
+
+def sizes_of(block: Block) -> tuple[int, ...]:
+    """The lengths of p, x, u and y."""
+    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
 
 
 _compiled: dict[str, CompiledStep] = {}
@@ -94,9 +104,25 @@ def c_entry(step: Any, sizes: tuple[int, ...], name: str) -> FunctionType:
     return entry
 
 
-def rebuilt(function: FunctionType, name: str) -> Any:
-    """A step function as a numba function called `name`, whose helpers are numba functions."""
-    return _rebuild(function, name, {})
+def rebuilt(function: FunctionType, name: str, *, debug: bool = False) -> Any:
+    """A step function as a numba function called `name`, whose helpers are numba functions.
+
+    With `debug` the code remembers the lines that it comes from.
+    """
+    return _rebuild(function, name, {}, debug)
+
+
+def functions_of(step: FunctionType) -> list[FunctionType]:
+    """The step function and every plain Python function that it names, directly or not."""
+    found = {id(step): step}
+    waiting = [step]
+    while waiting:
+        for value in _named(waiting.pop()).values():
+            if _is_function(value) and id(plain_function(value)) not in found:
+                function = plain_function(value)
+                found[id(function)] = function
+                waiting.append(function)
+    return list(found.values())
 
 
 def plain_function(function: Any) -> FunctionType:
@@ -165,11 +191,11 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
+def _rebuild(function: FunctionType, step: str, done: dict[int, Any], debug: bool = False) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(plain_function(value), step, done)
+            name: _rebuild(plain_function(value), step, done, debug)
             for name, value in _named(function).items()
             if _is_function(value)
         }
@@ -178,7 +204,7 @@ def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
-        done[id(function)] = njit(plain, error_model="numpy")
+        done[id(function)] = njit(plain, error_model="numpy", debug=debug)
     return done[id(function)]
 
 

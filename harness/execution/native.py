@@ -12,32 +12,55 @@ line, which construct, and what to write instead.
 
 from __future__ import annotations
 
+import hashlib
 import re
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
 from types import FunctionType
-from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
+import numba
 from numba import njit
 from numba.core import config
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.errors import NumbaError
+from numba.core.errors import NumbaError, NumbaWarning
 
-from harness.execution.compile import CompileError, c_entry, SIGNATURE, plain_function, rebuilt
-from harness.execution.diagnosis import refuse_constructs, sentence, foreign_sentence
+from harness.execution.compile import (
+    SIGNATURE,
+    CompileError,
+    c_entry,
+    functions_of,
+    plain_function,
+    rebuilt,
+    sizes_of,
+    step_fingerprint,
+)
+from harness.execution.diagnosis import foreign_sentence, refuse_constructs, sentence
 from harness.system.block import Block
 
 ENTRY = "block_step"
 # What the C libraries of all platforms have, of the same meaning.
 LIBRARY = frozenset(
-    "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 "
-    "fabs floor fma fmax fmin fmod frexp hypot ldexp lgamma log log10 log1p log2 memcpy memmove "
-    "memset nearbyint pow rint round sin sinh sqrt tan tanh tgamma trunc".split()
-)
+    (
+        "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil",
+        "copysign", "cos", "cosh", "erf", "erfc", "exp", "exp2", "expm1", "fabs", "floor",
+        "fma", "fmax", "fmin", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log",
+        "log10", "log1p", "log2", "memcpy", "memmove", "memset", "nearbyint", "pow",
+        "rint", "round", "sin", "sinh", "sqrt", "tan", "tanh", "tgamma", "trunc",
+    )
+)  # fmt: skip
+RESHAPE = "block_reshape"  # what numba_attempt_nocopy_reshape does, for rows that lie in order
+KNOWN = LIBRARY | {ENTRY, RESHAPE}
 _COUNTING = ("NRT_incref", "NRT_decref")
 _TARGET = re.compile(r"^(target (?:triple|datalayout)|source_filename) = .*\n", re.MULTILINE)
 _ATTRIBUTE = re.compile(r' "(?:target-cpu|target-features|tune-cpu)"="[^"]*"')
+_DEFINITION = re.compile(r"^define [^@\n]*@([\w.$]+)\(.*?\n(.*?)^}", re.MULTILINE | re.DOTALL)
+_CALL = re.compile(r"call [^@\n]*@([\w.$]+)\([^\n]*?(?:!dbg !(\d+))?$", re.MULTILINE)
+_LOCATION = re.compile(r"^!(\d+) = !DILocation\(line: (\d+)", re.MULTILINE)
 _NAME = re.compile(r'@"[^"]+"|@[-\w.$]+|_ZN[-\w.$]+')
 
 
@@ -48,7 +71,8 @@ def native_step(block: Block) -> str:
     """
     step = plain_function(block.step)
     refuse_constructs(step)
-    lowered, inner = _lowered(step, block)
+    step_fingerprint(block)  # which refuses what no compiled step may be
+    lowered, inner = _lowered(step, block, debug=False)
     module = llvm.parse_assembly(_detached(lowered, inner))
     for value in (*module.functions, *module.global_variables):
         if not value.is_declaration and value.name != ENTRY:
@@ -58,26 +82,68 @@ def native_step(block: Block) -> str:
     foreign = sorted(
         f.name
         for f in module.functions
-        if f.is_declaration and not f.name.startswith("llvm.") and f.name not in LIBRARY
+        if f.is_declaration and not f.name.startswith("llvm.") and f.name not in KNOWN
     )
     if foreign:
-        raise CompileError(foreign_sentence(step, foreign))
+        raise CompileError(foreign_sentence(step, foreign, _leading_to(step, block, foreign)))
     return _renamed(text)
 
 
+def native_key(block: Block) -> str:
+    """Changes with the module that `native_step` makes; raises `CompileError` as it does."""
+    refuse_constructs(plain_function(block.step))
+    parts = (step_fingerprint(block), numba.__version__, llvmlite.__version__, _own_code())
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+
+
+@cache
+def _own_code() -> str:
+    return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+
+
 @global_compiler_lock
-def _lowered(step: FunctionType, block: Block) -> tuple[str, str]:
+def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str]:
     """What numba makes of the step, not optimised, and the name of its entry in there."""
-    sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
     try:
         with _no_optimisation():
-            entry = c_entry(rebuilt(step, "native"), sizes, "native_entry")
+            entry = c_entry(rebuilt(step, "native", debug=debug), sizes_of(block), "native_entry")
             options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
             function = njit(SIGNATURE, error_model="numpy", **options)(entry)
     except NumbaError as fault:
         raise CompileError(sentence(step, fault)) from fault
     (result,) = function.overloads.values()
     return result.library.get_llvm_str(), result.fndesc.llvm_func_name
+
+
+def _leading_to(step: FunctionType, block: Block, foreign: list[str]) -> list[str]:
+    """The lines of the step and its helpers, as "file:line", that lead to the foreign functions."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaWarning)  # of lines that numba has made itself
+        lowered, _ = _lowered(step, block, debug=True)
+    calls = _calls(lowered)
+    reaching = set(foreign)
+    while more := {name for name, made in calls.items() if reaching & {c for c, _ in made}} - (
+        reaching
+    ):
+        reaching |= more
+    places = {int(number): line for number, line in _LOCATION.findall(lowered)}
+    found = set()
+    for function in functions_of(step):
+        own = {name for name in calls if f"{function.__name__}_in_native" in name}
+        for name in own:
+            for callee, location in calls[name]:
+                theirs = any(f"{f.__name__}_in_native" in callee for f in functions_of(step))
+                if callee in reaching and not theirs and location in places:
+                    found.add((function.__code__.co_filename, int(places[location])))
+    return [f"{path}:{line}" for path, line in sorted(found)]
+
+
+def _calls(lowered: str) -> dict[str, list[tuple[str, int]]]:
+    """By function, what it calls and the number of the place from which it does."""
+    found: dict[str, list[tuple[str, int]]] = {}
+    for name, body in _DEFINITION.findall(lowered):
+        found[name] = [(callee, int(place or 0)) for callee, place in _CALL.findall(body)]
+    return found
 
 
 @contextmanager
@@ -98,6 +164,7 @@ def _detached(lowered: str, inner: str) -> str:
     for name in _COUNTING:
         pattern = re.compile(rf"^define [^\n]*@{name}\(.*?^}}\n", re.MULTILINE | re.DOTALL)
         lowered = pattern.sub(f"define void @{name}(ptr %p) {{\n  ret void\n}}\n", lowered)
+    lowered = lowered.replace("@numba_attempt_nocopy_reshape(", f"@{RESHAPE}(")
     arguments = "ptr %p, ptr %x, ptr %u, ptr %y"
     entry = (
         f"\ndefine hidden i32 @{ENTRY}({arguments}) {{\n"
@@ -129,7 +196,7 @@ def _renamed(text: str) -> str:
 
     def short(match: re.Match[str]) -> str:
         name = match.group().removeprefix("@").strip('"')
-        if name == ENTRY or name.startswith("llvm.") or name in LIBRARY:
+        if name.startswith("llvm.") or name in KNOWN:
             return match.group()
         known = names.setdefault(name, f"part_{len(names)}")
         return f"@{known}" if match.group().startswith("@") else known

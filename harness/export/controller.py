@@ -9,14 +9,16 @@ This module refuses blocks that are plain Python callables: they have no step fu
 
 from __future__ import annotations
 
+import hashlib
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import FmuError, HarnessError
-from harness.execution.native import native_step
+from harness.execution.native import native_key, native_step
 from harness.execution.source import python_source
 from harness.export.certificate import MEMBER
 from harness.export.certify import block_certificate
@@ -46,7 +48,7 @@ def controller_fmu(
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")
-    step = python_source(block) if portable else native_step(block)
+    step, key = _portable_step(block) if portable else _native_step(block)
     package = registry.packager("native")
 
     def certificate(path: Path) -> dict[str, bytes]:
@@ -56,6 +58,7 @@ def controller_fmu(
     try:
         path: Path = package(
             step,
+            step_key=key,
             name=identifier(name),
             description=description or f"Controller {name}.",
             sample_time_ns=period_ns,
@@ -83,3 +86,14 @@ def identifier(name: str) -> str:
     """`name` as a C identifier."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     return plain if plain and not plain[0].isdigit() else f"_{plain}"
+
+
+def _native_step(block: Block) -> tuple[Callable[[], str], str]:
+    """What makes the LLVM module of a step, and the key under which it can be kept."""
+    return partial(native_step, block), native_key(block)
+
+
+def _portable_step(block: Block) -> tuple[Callable[[], str], str]:
+    """The same for the Python text of a step."""
+    text = python_source(block)
+    return (lambda: text), f"python-{hashlib.sha256(text.encode()).hexdigest()}"

@@ -16,7 +16,7 @@ from fmus.packaging.archive import compiled_binaries, content_hash, content_toke
 from fmus.packaging.blocks.description import block_description
 from fmus.packaging.blocks.interface import BlockModel, BlockVariable, numbered
 from fmus.packaging.blocks.sources import block_source_files
-from fmus.packaging.cache import made_by, place, write_atomically
+from fmus.packaging.cache import cache_directory, made_by, place, write_atomically
 from fmus.packaging.compiler import Target, find_targets
 from fmus.packaging.errors import PackagingError
 
@@ -71,8 +71,9 @@ def cached_block_fmu(
 
 
 def package_block(
-    step: str,
+    step: Callable[[], str],
     *,
+    step_key: str,
     name: str,
     description: str,
     sample_time_ns: int,
@@ -89,10 +90,11 @@ def package_block(
     extra: ExtraFiles | None = None,
     portable: bool = False,
 ) -> Path:
-    """`cached_block_fmu` for a block as whoever compiled its `step` has it: signals with name,
-    unit, description and start, values as arrays, names where there are any. This is what the
-    entry-point group `fmu_harness.packagers` offers as "native". Where it is `portable`, `step` is
-    Python text and the FMU is FMI 2, for this and every other platform."""
+    """`cached_block_fmu` for a block as whoever compiles its `step` has it: signals with name,
+    unit, description and start, values as arrays, names where there are any. `step()` gives the
+    LLVM module and is called unless it is known under `step_key`, which must change with it. Where
+    the FMU is to be `portable`, it gives Python text, and the FMU is for every platform. This is
+    what the entry-point group `fmu_harness.packagers` offers as "native"."""
     p_names = numbered("parameters", parameter_names, len(parameters))
     x_names = numbered("state", state_names, len(state))
     can_tune = [name in tunable for name in parameter_names] or [False] * len(parameters)
@@ -107,7 +109,7 @@ def package_block(
             for n, value, free in zip(p_names, parameters, can_tune, strict=True)
         ),
         tuple(BlockVariable(n, float(value)) for n, value in zip(x_names, state, strict=True)),
-        step,
+        _known_step(step, step_key),
         phase_ns,
     )
     if portable:
@@ -128,6 +130,15 @@ def block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
         }
 
     return generate(content_token(generate(_UNKNOWN_TOKEN)))
+
+
+def _known_step(step: Callable[[], str], key: str) -> str:
+    """The module from the cache; making it can take seconds."""
+    path = cache_directory() / "steps" / f"{key}.txt"
+    if not path.exists():
+        text = step()
+        write_atomically(path, lambda part: part.write_bytes(text.encode()))
+    return path.read_bytes().decode()
 
 
 def extra_name(extra: ExtraFiles | None) -> str:

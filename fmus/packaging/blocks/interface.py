@@ -5,7 +5,8 @@ The step comes as the text of an LLVM module without a target, which defines
     i32 block_step(double *p, double *x, double *u, double *y)
 
 over parameters, state, inputs and outputs, and names no function but those of the C library's
-mathematics. It returns 0, or another number where it cannot go on.
+mathematics and `block_reshape` (`c/reshape.c`). It returns 0, or another number where it cannot go
+on.
 
 A value reference is the variable's place in `time, inputs, outputs, parameters, states`. In the
 FMU parameters are called `parameters.<name>` and states `state.<name>`, so that they never meet a

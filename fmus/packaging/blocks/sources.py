@@ -8,7 +8,7 @@ from fmus.packaging.blocks.interface import BlockModel, block_entries
 from fmus.packaging.codegen import RUNTIME, c_numbers, c_table
 
 OWN_RUNTIME = Path(__file__).parent / "c"
-OWN_FILES = ("all.c", "block.c", "state.h")
+OWN_FILES = ("all.c", "block.c", "reshape.c", "state.h")
 SHARED_FILES = (
     "component.h",
     "export.h",

@@ -21,6 +21,7 @@ static void invalidate(Component *component) { (void)component; }
 #include "life_cycle.c"
 #include "refusals.c"
 #include "stored_state.c"
+#include "reshape.c"
 
 static Status component_reset(Component *component) {
     State *state = &component->state;

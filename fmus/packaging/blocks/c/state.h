@@ -53,4 +53,9 @@ struct Component {
  * that it could not go on. */
 extern int32_t block_step(double *p, double *x, double *u, double *y);
 
+/* What the step function may call, besides the C library. */
+int32_t block_reshape(int64_t n, const int64_t *dimensions, const int64_t *strides, int64_t n_new,
+                      const int64_t *new_dimensions, int64_t *new_strides, int64_t item_size,
+                      int32_t columns_first);
+
 #endif
