@@ -56,7 +56,7 @@ class Bench:
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
     "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
-    from plants, `portable` asks for their Python packaging. `controllers` are the controller
+    from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the controller
     objects by component name.
     """
 
@@ -104,7 +104,8 @@ class Bench:
         if text.endswith(".fmu") or "/" in text or "\\" in text:
             path = Path(source)
         else:
-            path = registry.plant_fmu(text, self.fmi_version, portable=self.portable)
+            version = 2 if self.portable else self.fmi_version
+            path = registry.plant_fmu(text, version, portable=self.portable)
         period = self._period(step, f"step of {name}")
         self._add(FmuComponent(name, path, period, dict(start_values or {}), tolerance))
 

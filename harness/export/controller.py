@@ -41,7 +41,7 @@ def controller_fmu(
 
     `name` becomes the model's identifier, with underscores for what no identifier may hold.
     `targets` are the platforms of its binaries ("aarch64-linux", "win64", "all"), this one when
-    none is named. `portable` asks for the pythonfmu packaging (FMI 2, needs Python with numpy).
+    none is named. `portable` asks for the Python packaging, which needs numpy there.
     The FMU carries a parity certificate unless it is not to be `certified`.
     Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be
     packed.
@@ -70,7 +70,7 @@ def controller_fmu(
             parameter_names=getattr(block, "parameter_names", ()),
             state_names=getattr(block, "state_names", ()),
             tunable=getattr(block, "tunable", ()),
-            fmi_version=2 if portable else fmi_version,
+            fmi_version=fmi_version,
             targets=targets,
             extra=certificate if certified else None,
             portable=portable,

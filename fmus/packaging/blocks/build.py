@@ -115,7 +115,7 @@ def package_block(
     if portable:
         from fmus.packaging.blocks.portable import cached_portable_block
 
-        return cached_portable_block(model, extra)
+        return cached_portable_block(model, fmi_version, extra)
     return cached_block_fmu(model, fmi_version, targets=targets, extra=extra)
 
 

@@ -44,7 +44,9 @@ class Instance:
         self._start = self._time = 0.0
         self._running = False
 
-    def setup_experiment(self, start_time: float) -> None:
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
         """Samples are counted from the start time on."""
         self._start = self._time = start_time
 
