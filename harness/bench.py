@@ -56,8 +56,8 @@ class Bench:
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
     "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
-    from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the controller
-    objects by component name.
+    from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the
+    controller objects by component name.
     """
 
     def __init__(

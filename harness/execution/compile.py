@@ -104,12 +104,10 @@ def c_entry(step: Any, sizes: tuple[int, ...], name: str) -> FunctionType:
     return entry
 
 
-def rebuilt(function: FunctionType, name: str, *, debug: bool = False) -> Any:
-    """A step function as a numba function called `name`, whose helpers are numba functions.
-
-    With `debug` the code remembers the lines that it comes from.
-    """
-    return _rebuild(function, name, {}, debug)
+def rebuilt(function: FunctionType, name: str, **options: bool) -> Any:
+    """A step function as a numba function called `name`, whose helpers are numba functions; more
+    `options` of numba's apply to all of them."""
+    return _rebuild(function, name, {}, options)
 
 
 def functions_of(step: FunctionType) -> list[FunctionType]:
@@ -191,11 +189,13 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def _rebuild(function: FunctionType, step: str, done: dict[int, Any], debug: bool = False) -> Any:
+def _rebuild(
+    function: FunctionType, step: str, done: dict[int, Any], options: dict[str, bool]
+) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(plain_function(value), step, done, debug)
+            name: _rebuild(plain_function(value), step, done, options)
             for name, value in _named(function).items()
             if _is_function(value)
         }
@@ -204,7 +204,7 @@ def _rebuild(function: FunctionType, step: str, done: dict[int, Any], debug: boo
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
-        done[id(function)] = njit(plain, error_model="numpy", debug=debug)
+        done[id(function)] = njit(plain, error_model="numpy", **options)
     return done[id(function)]
 
 

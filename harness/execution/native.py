@@ -101,14 +101,14 @@ def _own_code() -> str:
     return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
-@global_compiler_lock
 def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str]:
     """What numba makes of the step, not optimised, and the name of its entry in there."""
     try:
-        with _no_optimisation():
-            entry = c_entry(rebuilt(step, "native", debug=debug), sizes_of(block), "native_entry")
-            options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-            function = njit(SIGNATURE, error_model="numpy", **options)(entry)
+        with global_compiler_lock, _no_optimisation():
+            options = {"no_cpython_wrapper": True, "debug": debug}
+            entry = c_entry(rebuilt(step, "native", **options), sizes_of(block), "native_entry")
+            make = njit(SIGNATURE, error_model="numpy", no_cfunc_wrapper=True, **options)
+            function = make(entry)
     except NumbaError as fault:
         raise CompileError(sentence(step, fault)) from fault
     (result,) = function.overloads.values()

@@ -18,13 +18,12 @@ from harness.export.certify import plant_certificate
 from harness.export.controller import controller_fmu
 from harness.export.verify import verify
 from harness.fmi.fmu import Fmu
-from tests.harness.export.blocks import component
+from tests.harness.export.blocks import example
 
 
 @pytest.fixture(scope="module")
 def certified() -> Path:
-    found = component("pid")
-    return controller_fmu(found.block, "certified", found.period_ns / 1e9, portable=True)
+    return controller_fmu(example("pid")[0], "certified", example("pid")[1], portable=True)
 
 
 def certificate(path: Path) -> Certificate:

@@ -11,14 +11,14 @@ from fmpy.validation import validate_fmu
 from harness.errors import FmuError
 from harness.export.controller import controller_fmu
 from harness.fmi.fmu import Fmu
-from tests.harness.export.blocks import CASES, component
+from tests.harness.export.blocks import EXAMPLES, example
 
 TS = 0.25  # a binary fraction, so that sums of steps are exact
 
 
 @pytest.fixture(scope="module", params=[2, 3], ids=["FMI 2", "FMI 3"])
 def pid(request: pytest.FixtureRequest) -> Path:
-    return controller_fmu(component("pid").block, "pid_test", TS, request.param, portable=True)
+    return controller_fmu(example("pid")[0], "pid_test", TS, request.param, portable=True)
 
 
 def run(path: Path, steps: list[float]) -> list[tuple[float, float]]:
@@ -37,7 +37,7 @@ def run(path: Path, steps: list[float]) -> list[tuple[float, float]]:
 
 def held(steps: list[float]) -> list[float]:
     """What the block itself holds after each step: samples due in [t, t + h), inputs of t."""
-    block = component("pid").block
+    block = example("pid")[0]
     p, x = block.parameters.copy(), block.state.copy()
     u, y = np.zeros(len(block.inputs)), np.array([s.start for s in block.outputs])
     names = [s.name for s in block.inputs]
@@ -85,7 +85,7 @@ def test_its_whole_state_is_stored_and_restored(pid: Path) -> None:
 
 def test_two_different_ones_live_in_one_process(pid: Path) -> None:
     """Modules of the same name would be shared, silently with wrong numbers."""
-    other = controller_fmu(component("lq_regulator").block, "lq_test", TS, portable=True)
+    other = controller_fmu(example("lq_regulator")[0], "lq_test", TS, portable=True)
     alone = run(pid, [TS] * 4)
     with Fmu(other) as fmu, fmu.instantiate("other") as instance:
         instance.enter_initialization_mode(0.0, None, None)
@@ -101,8 +101,7 @@ def test_what_is_part_of_the_design_cannot_be_set(pid: Path) -> None:
 
 
 @pytest.mark.parametrize("version", [2, 3], ids=["FMI 2", "FMI 3"])
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", EXAMPLES)
 def test_fmpy_finds_nothing_to_say(case: str, version: int) -> None:
-    found = component(case)
-    path = controller_fmu(found.block, case, found.period_ns / 1e9, version, portable=True)
+    path = controller_fmu(example(case)[0], case, example(case)[1], version, portable=True)
     assert validate_fmu(str(path)) == []

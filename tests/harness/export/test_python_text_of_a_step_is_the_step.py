@@ -8,12 +8,12 @@ import pytest
 from harness.execution.compile import CompileError
 from harness.execution.source import python_source
 from harness.export.certify import growing
-from tests.harness.export.blocks import CASES, component
+from tests.harness.export.blocks import EXAMPLES, example
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", EXAMPLES)
 def test_bit_for_bit(case: str) -> None:
-    block = component(case).block
+    block = example(case)[0]
     scope: dict[str, object] = {}
     exec(python_source(block), scope)
     step = scope["step"]
@@ -29,9 +29,9 @@ def test_bit_for_bit(case: str) -> None:
             assert memory[0][1].tobytes() == memory[1][1].tobytes()
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", EXAMPLES)
 def test_it_needs_the_standard_library_and_numpy_only(case: str) -> None:
-    lines = python_source(component(case).block).splitlines()
+    lines = python_source(example(case)[0]).splitlines()
     imports = [line for line in lines if line.startswith(("import ", "from "))]
     assert imports == ["import math", "import numpy", "from numpy import array, float64"]
 
@@ -43,9 +43,9 @@ def test_what_cannot_be_written_is_named() -> None:
 
         @staticmethod
         def step(p: object, x: object, u: object, y: object) -> None:
-            print(CASES, component)
+            print(EXAMPLES)
 
-    with pytest.raises(CompileError, match=r"uses CASES, a dict, which cannot be written"):
+    with pytest.raises(CompileError, match=r"uses EXAMPLES, a dict, which cannot be written"):
         python_source(Odd())  # type: ignore[arg-type]
 
 
