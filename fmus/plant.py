@@ -13,7 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fmus.packaging.reference import PlantReference
 
 Equations = Callable[
     [SimpleNamespace, SimpleNamespace, SimpleNamespace], tuple[Mapping[str, Any], Mapping[str, Any]]
@@ -101,3 +104,12 @@ class Plant:
         from fmus.packaging import cached_fmu
 
         return cached_fmu(self, fmi_version, portable=portable, targets=targets)
+
+    def reference(self) -> PlantReference:
+        """The equations stepped in this process, without any FMU, from the start values.
+
+        Raises `fmus.packaging.PackagingError` when the plant is not sound.
+        """
+        from fmus.packaging.reference import PlantReference
+
+        return PlantReference(self)

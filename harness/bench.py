@@ -56,8 +56,8 @@ class Bench:
     "jacobi", "gauss-seidel" or "iterative"; `algebraic_loops` between them are refused or solved
     ("refuse", "solve"), and what is repeated has converged to `coupling_tolerance` (relative)
     within `max_iterations`. `seed` seeds all noise. `fmi_version` is that of the FMUs built
-    from plants, `portable` asks for their Python packaging. `controllers` are the controller
-    objects by component name.
+    from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the
+    controller objects by component name.
     """
 
     def __init__(
@@ -109,7 +109,8 @@ class Bench:
         if text.endswith(".fmu") or "/" in text or "\\" in text:
             path = Path(source)
         else:
-            path = registry.plant_fmu(text, self.fmi_version, portable=self.portable)
+            version = 2 if self.portable else self.fmi_version
+            path = registry.plant_fmu(text, version, portable=self.portable)
         period = self._period(step, f"step of {name}")
         self._add(FmuComponent(name, path, period, dict(start_values or {}), tolerance))
 

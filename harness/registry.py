@@ -65,7 +65,7 @@ def plant_fmu(
     found = plant(name)
     given = {"targets": targets} if targets else {}  # plants of others may know this machine only
     try:
-        return found.fmu(2 if portable else fmi_version, portable=portable, **given)
+        return found.fmu(fmi_version, portable=portable, **given)
     except Exception as fault:  # a plant of another package has errors of its own
         raise FmuError(f"plant {name} cannot be packaged as an FMU: {fault}") from fault
 

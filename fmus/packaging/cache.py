@@ -54,18 +54,14 @@ def cached_fmu(
     """
     if fmi_version not in (2, 3):
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
-    if portable and fmi_version != 2:
-        raise PackagingError(
-            f"Plant {plant.name!r}: the portable FMU exists for FMI 2 only, version "
-            f"{fmi_version} was asked for; choose fmi_version=2."
-        )
     found: tuple[Target, ...] = ()
     if not portable:
         if targets or find_compiler() is not None:
             found = find_targets(targets)
         else:
             warnings.warn(_fallback_notice(plant), PortableFallback, stacklevel=2)
-    kind = f"native {fmi_version} {made_by(found)}" if found else "portable"
+            fmi_version = 2
+    kind = f"native {fmi_version} {made_by(found)}" if found else f"portable {fmi_version}"
     return _noted(plant, kind, lambda: _build(plant, fmi_version, found))
 
 
@@ -106,7 +102,7 @@ def _build(plant: Plant, fmi_version: int, targets: Sequence[Target]) -> Path:
     from fmus.packaging.portable import portable_content, write_portable_fmu
 
     if not targets:
-        portable = portable_content(plant)
+        portable = portable_content(plant, fmi_version)
         path = place(plant.name, content_hash(portable.files), "portable")
         if not path.exists():
             write_atomically(path, lambda part: write_portable_fmu(portable, part))

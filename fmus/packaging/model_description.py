@@ -38,7 +38,7 @@ def model_description(
     root = root_element(plant.name, plant.description, plant.version, fmi_version, token)
     entries = variable_entries(interface)
     if portable:
-        _portable_interface(root, interface.plant.name)
+        _portable_interface(root, interface.plant.name, fmi_version)
     else:
         _interface_types(root, interface.plant.name, fmi_version)
     unit_definitions(root, {e.unit: base_unit(e.unit) for e in entries}, plant.display_units)
@@ -105,15 +105,16 @@ def _interface_types(root: ET.Element, identifier: str, fmi_version: int) -> Non
         ET.SubElement(files, "File", name=MAIN_SOURCE)
 
 
-def _portable_interface(root: ET.Element, identifier: str) -> None:
+def _portable_interface(root: ET.Element, identifier: str, fmi_version: int) -> None:
     attributes = {
         "modelIdentifier": identifier,
         "needsExecutionTool": "true",
         "canHandleVariableCommunicationStepSize": "true",
-        "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
     }
+    if fmi_version == 2:
+        attributes["canNotUseMemoryManagementFunctions"] = "true"
+    state = "FMUState" if fmi_version == 3 else "FMUstate"
+    attributes |= {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
     ET.SubElement(root, "CoSimulation", attributes)
 
 

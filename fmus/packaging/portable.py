@@ -1,4 +1,4 @@
-"""The portable FMU: FMI 2 co-simulation through pythonfmu, for machines without a C compiler.
+"""The portable FMU: co-simulation through pythonfmu or pythonfmu3, without a C compiler.
 
 It needs a Python on the importing machine and nothing else: equations and solver are plain Python
 (`portable_parts`), the small library that starts Python comes ready in pythonfmu's wheel, and
@@ -10,15 +10,14 @@ used: its archives differ from build to build and leave out units and dependenci
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
 from fmus.packaging.archive import content_token, write_archive
+from fmus.packaging.bridge import bridge_files, slave_script
 from fmus.packaging.codegen import equations_of
 from fmus.packaging.documentation import documentation_page
 from fmus.packaging.emit import PYTHON, statements
-from fmus.packaging.errors import PackagingError
 from fmus.packaging.expressions import PlantExpressions, plant_expressions
 from fmus.packaging.interface import RELATIVE_TOLERANCE
 from fmus.packaging.model_description import model_description
@@ -27,45 +26,6 @@ from fmus.plant import Plant
 
 PARTS = Path(__file__).parent / "portable_parts"
 _UNKNOWN_TOKEN = "{00000000-0000-0000-0000-000000000000}"
-_SCRIPT = '''"""{name}: the module that pythonfmu loads."""
-
-from pythonfmu import Fmi2Slave
-from pythonfmu.enums import Fmi2Status
-
-from {package}.equations import MODEL
-from {package}.exit_order import release_python_before_exit
-from {package}.instance import Instance, StepError
-
-
-class {name}(Fmi2Slave):
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self._instance = Instance(MODEL)
-        release_python_before_exit(self.resources)
-
-    def setup_experiment(self, start_time, stop_time, tolerance):
-        self._instance.setup_experiment(start_time, stop_time, tolerance)
-
-    def do_step(self, current_time, step_size):
-        try:
-            self._instance.do_step(current_time, step_size)
-        except StepError as failure:
-            self.log(str(failure), Fmi2Status.error)
-            return False
-        return True
-
-    def get_real(self, vrs):
-        return self._instance.get_real(vrs)
-
-    def set_real(self, vrs, values):
-        self._instance.set_real(vrs, values)
-
-    def _get_fmu_state(self):
-        return self._instance.get_state()
-
-    def _set_fmu_state(self, state):
-        self._instance.set_state(state)
-'''
 
 
 @dataclass(frozen=True)
@@ -76,20 +36,23 @@ class PortableContent:
     files: dict[str, bytes]
 
 
-def portable_content(plant: Plant) -> PortableContent:
-    """Generate the FMU; raises PackagingError when the plant is not sound or pythonfmu lacks."""
+def portable_content(plant: Plant, fmi_version: int = 2) -> PortableContent:
+    """Generate the FMU; raises PackagingError when the plant is not sound or the bridge lacks."""
     expressions = plant_expressions(plant)
     structure = model_structure(expressions)
 
     def generate(token: str) -> dict[str, bytes]:
-        description = model_description(expressions.interface, structure, 2, token, portable=True)
+        description = model_description(
+            expressions.interface, structure, fmi_version, token, portable=True
+        )
         return {
             "modelDescription.xml": description,
-            "documentation/_main.html": documentation_page(plant),
-            **_resources(expressions, token),
+            f"documentation/{page}": documentation_page(plant),
+            **_resources(expressions, fmi_version, token),
         }
 
-    bundled = _pythonfmu_files(plant.name)
+    bundled = bridge_files(plant.name, fmi_version)
+    page = "index.html" if fmi_version == 3 else "_main.html"
     token = content_token({**generate(_UNKNOWN_TOKEN), **bundled})
     return PortableContent(token, {**generate(token), **bundled})
 
@@ -99,11 +62,11 @@ def write_portable_fmu(content: PortableContent, path: Path) -> None:
     write_archive(content.files, path)
 
 
-def _resources(expressions: PlantExpressions, token: str) -> dict[str, bytes]:
+def _resources(expressions: PlantExpressions, fmi_version: int, token: str) -> dict[str, bytes]:
     name = expressions.interface.plant.name
     module = f"{name}_{token.strip('{}').replace('-', '')}"
     package = f"{module}_parts"
-    script = _SCRIPT.format(name=name, package=package)
+    script = slave_script(name, fmi_version, package, "equations")
     parts = {part.name: part.read_bytes() for part in sorted(PARTS.glob("*.py"))}
     parts["equations.py"] = equations_source(expressions).encode()
     return {
@@ -161,23 +124,3 @@ def _function(function: Any, name: str, results: dict[str, int]) -> str:
     body = statements(function, PYTHON, ["x", "u", "p"], list(results))
     lines = [f"\ndef {name}(x, u, p):", *head, body, f"    return {', '.join(results)}\n"]
     return "\n".join(line for line in lines if line)
-
-
-def _pythonfmu_files(name: str) -> dict[str, bytes]:
-    """pythonfmu's Python files, its libraries under the FMU's name, and its licence."""
-    # Not `import pythonfmu`: a portable FMU loaded into this process may have put its own first.
-    wheel = distribution("pythonfmu")
-    root = Path(str(wheel.locate_file("pythonfmu")))
-    files = {f"resources/pythonfmu/{path.name}": path for path in root.glob("*.py")}
-    binaries = root / "resources" / "binaries"
-    for library in binaries.rglob("*"):
-        if library.suffix in (".so", ".dll", ".dylib"):
-            files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library
-    if not any(path.startswith("binaries/") for path in files):
-        raise PackagingError(
-            f"The installed pythonfmu ({root}) brings no libraries; install its wheel from PyPI."
-        )
-    for path in wheel.files or ():
-        if path.name.upper().startswith("LICENSE"):
-            files["documentation/licenses/pythonfmu.txt"] = Path(str(path.locate()))
-    return {place: path.read_bytes() for place, path in files.items()}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -18,6 +19,20 @@ from harness.errors import HarnessError, UsageError, nearest
 
 if TYPE_CHECKING:
     from harness.export.find import FoundBlock
+
+
+@dataclass(frozen=True)
+class Packaging:
+    """How the FMUs are made: with Python inside, or natively for some platforms."""
+
+    portable: bool
+    targets: tuple[str, ...]
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Keyword arguments of whatever makes an FMU."""
+        return {"portable": self.portable, "targets": self.targets}
+
 
 Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
 
@@ -57,11 +72,14 @@ def build_command(
     ] = None,
 ) -> None:
     """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
-    versions = [2] if portable else (fmi or [2, 3])
+    versions = fmi or ([2] if portable else [2, 3])
     for version in versions:
         if version not in (2, 3):
             raise UsageError(f"FMI version {version} cannot be built; choose 2 or 3")
     platforms = [one for given in targets or () for one in given.split(",") if one]
+    if portable and platforms:
+        raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
+    packaging = Packaging(portable, tuple(platforms))
     if experiment is not None and names:
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
@@ -69,15 +87,15 @@ def build_command(
     with notices():
         if experiment is not None:
             asked = _of_experiment(
-                experiment, variant, component or [], set_ or [], platforms, name
+                experiment, variant, component or [], set_ or [], packaging, name
             )
         else:
             wanted = names or registry.names(registry.PLANTS)
             _check_controller_options(wanted, sample_time, set_, name)
             asked = (
-                _plant(one, portable, platforms)
+                _plant(one, packaging)
                 if _is_plant(one)
-                else _controller(one, sample_time, set_ or [], platforms, name)
+                else _controller(one, sample_time, set_ or [], packaging, name)
                 for one in wanted
             )
         for file_name, make in asked:
@@ -119,19 +137,19 @@ def _check_controller_options(
         raise UsageError(f"--name is for one controller, here are {len(controllers)}")
 
 
-def _plant(name: str, portable: bool, targets: list[str]) -> Built:
-    if portable and targets:
-        raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
+def _plant(name: str, packaging: Packaging) -> Built:
+    from harness.export.plant import certified_plant_fmu
+
     plant = registry.plant(name)
-    return plant.name, partial(registry.plant_fmu, name, portable=portable, targets=targets)
+    return plant.name, partial(certified_plant_fmu, name, **packaging.options)
 
 
 def _controller(
-    source: str, sample_time: float | None, set_: list[str], targets: list[str], name: str | None
+    source: str, sample_time: float | None, set_: list[str], packaging: Packaging, name: str | None
 ) -> Built:
     from harness.export.find import named_controller
 
-    return _built(named_controller(source, sample_time, settings(set_), name), targets, name)
+    return _built(named_controller(source, sample_time, settings(set_), name), packaging, name)
 
 
 def _of_experiment(
@@ -139,7 +157,7 @@ def _of_experiment(
     variant: str | None,
     components: list[str],
     set_: list[str],
-    targets: list[str],
+    packaging: Packaging,
     name: str | None,
 ) -> Iterator[Built]:
     from harness.export.find import controllers_of
@@ -149,10 +167,10 @@ def _of_experiment(
         known = ", ".join(one.name for one in found)
         raise UsageError(f"--name is for one controller; choose a --component of {known}")
     for one in found:
-        yield _built(one, targets, name)
+        yield _built(one, packaging, name)
 
 
-def _built(found: FoundBlock, targets: list[str], name: str | None) -> Built:
+def _built(found: FoundBlock, packaging: Packaging, name: str | None) -> Built:
     from harness.export.controller import controller_fmu, identifier
 
     chosen = identifier(name or found.name)
@@ -160,7 +178,7 @@ def _built(found: FoundBlock, targets: list[str], name: str | None) -> Built:
     def make(version: int) -> Path:
         return controller_fmu(
             found.block, chosen, found.sample_time, version,
-            phase=found.phase, description=found.description, targets=targets,
+            phase=found.phase, description=found.description, **packaging.options,
         )  # fmt: skip
 
     return chosen, make

@@ -10,7 +10,7 @@ import sys
 
 import typer
 
-from harness.cli import build, info, listing, reproduce, run, simulate, timing
+from harness.cli import build, info, listing, reproduce, run, simulate, timing, verify
 from harness.cli.terminal import console
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
@@ -29,6 +29,7 @@ app.command("build")(build.build_command)
 app.command("simulate")(simulate.simulate_command)
 app.command("info")(info.info_command)
 app.command("timing")(timing.timing_command)
+app.command("verify")(verify.verify_command)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -9,8 +9,9 @@ This module refuses blocks that are plain Python callables: they have no step fu
 
 from __future__ import annotations
 
+import hashlib
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -18,9 +19,10 @@ from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import FmuError, HarnessError
 from harness.execution.native import native_key, native_step
+from harness.execution.source import python_source
+from harness.export.certificate import MEMBER
+from harness.export.certify import block_certificate
 from harness.system.block import Block
-
-ExtraFiles = Callable[[Path], Mapping[str, bytes]]
 
 
 def controller_fmu(
@@ -32,22 +34,31 @@ def controller_fmu(
     phase: float = 0.0,
     description: str = "",
     targets: Sequence[str] = (),
-    extra: ExtraFiles | None = None,
+    portable: bool = False,
+    certified: bool = True,
 ) -> Path:
     """The FMU of `block`, from the cache or built; `sample_time` and `phase` in seconds.
 
     `name` becomes the model's identifier, with underscores for what no identifier may hold.
     `targets` are the platforms of its binaries ("aarch64-linux", "win64", "all"), this one when
-    none is named. `extra(path)` gets the finished FMU and returns files to add below `extra/`.
-    Raises `CompileError` where the step cannot be native code, `FmuError` where no FMU can hold it.
+    none is named. `portable` asks for the Python packaging, which needs numpy there.
+    The FMU carries a parity certificate unless it is not to be `certified`.
+    Raises `CompileError` where the step cannot be native code, `FmuError` where it cannot be
+    packed.
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")
+    step, key = _portable_step(block) if portable else _native_step(block)
     package = registry.packager("native")
+
+    def certificate(path: Path) -> dict[str, bytes]:
+        made = block_certificate(path, block, sample_time)
+        return {MEMBER.removeprefix("extra/"): made.as_bytes()}
+
     try:
         path: Path = package(
-            partial(native_step, block),
-            step_key=native_key(block),
+            step,
+            step_key=key,
             name=identifier(name),
             description=description or f"Controller {name}.",
             sample_time_ns=period_ns,
@@ -61,7 +72,8 @@ def controller_fmu(
             tunable=getattr(block, "tunable", ()),
             fmi_version=fmi_version,
             targets=targets,
-            extra=extra,
+            extra=certificate if certified else None,
+            portable=portable,
         )
     except HarnessError:
         raise
@@ -74,3 +86,14 @@ def identifier(name: str) -> str:
     """`name` as a C identifier."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     return plain if plain and not plain[0].isdigit() else f"_{plain}"
+
+
+def _native_step(block: Block) -> tuple[Callable[[], str], str]:
+    """What makes the LLVM module of a step, and the key under which it can be kept."""
+    return partial(native_step, block), native_key(block)
+
+
+def _portable_step(block: Block) -> tuple[Callable[[], str], str]:
+    """The same for the Python text of a step."""
+    text = python_source(block)
+    return (lambda: text), f"python-{hashlib.sha256(text.encode()).hexdigest()}"

@@ -64,7 +64,7 @@ def cached_block_fmu(
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
     found = find_targets(targets)
     files = block_files(model, fmi_version)
-    path = place(model.name, content_hash(files), f"{made_by(found)} {_name(extra)}")
+    path = place(model.name, content_hash(files), f"{made_by(found)} {extra_name(extra)}")
     if not path.exists():
         write_atomically(path, partial(_write, model, fmi_version, files, found, extra))
     return path
@@ -88,11 +88,13 @@ def package_block(
     fmi_version: int = 3,
     targets: Sequence[str] = (),
     extra: ExtraFiles | None = None,
+    portable: bool = False,
 ) -> Path:
     """`cached_block_fmu` for a block as whoever compiles its `step` has it: signals with name,
     unit, description and start, values as arrays, names where there are any. `step()` gives the
-    LLVM module and is called unless it is known under `step_key`, which must change with it. This
-    is what the entry-point group `fmu_harness.packagers` offers as "native"."""
+    LLVM module and is called unless it is known under `step_key`, which must change with it. Where
+    the FMU is to be `portable`, it gives Python text, and the FMU is for every platform. This is
+    what the entry-point group `fmu_harness.packagers` offers as "native"."""
     p_names = numbered("parameters", parameter_names, len(parameters))
     x_names = numbered("state", state_names, len(state))
     can_tune = [name in tunable for name in parameter_names] or [False] * len(parameters)
@@ -110,6 +112,10 @@ def package_block(
         _known_step(step, step_key),
         phase_ns,
     )
+    if portable:
+        from fmus.packaging.blocks.portable import cached_portable_block
+
+        return cached_portable_block(model, fmi_version, extra)
     return cached_block_fmu(model, fmi_version, targets=targets, extra=extra)
 
 
@@ -128,14 +134,15 @@ def block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
 
 def _known_step(step: Callable[[], str], key: str) -> str:
     """The module from the cache; making it can take seconds."""
-    path = cache_directory() / "steps" / f"{key}.ll"
+    path = cache_directory() / "steps" / f"{key}.txt"
     if not path.exists():
         text = step()
         write_atomically(path, lambda part: part.write_bytes(text.encode()))
     return path.read_bytes().decode()
 
 
-def _name(extra: ExtraFiles | None) -> str:
+def extra_name(extra: ExtraFiles | None) -> str:
+    """What stands for `extra` in the key of an FMU."""
     return "" if extra is None else f"{extra.__module__}.{extra.__qualname__}"
 
 
@@ -156,10 +163,17 @@ def _write(
     }
     object_for = partial(object_code, model.step)
     binaries = compiled_binaries(model.name, fmi_version, sources, targets, object_for)
-    complete = {**files, **binaries}
+    write_with_extra({**files, **binaries}, model.name, extra, path)
+
+
+def write_with_extra(
+    files: Mapping[str, bytes], name: str, extra: ExtraFiles | None, path: Path
+) -> None:
+    """Write the archive with what `extra` adds to it, below `extra/`."""
+    complete = dict(files)
     if extra is not None:
         with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
-            plain = Path(folder, f"{model.name}.fmu")
+            plain = Path(folder, f"{name}.fmu")
             write_archive(complete, plain)
-            complete |= {f"extra/{name}": data for name, data in extra(plain).items()}
+            complete |= {f"extra/{key}": data for key, data in extra(plain).items()}
     write_archive(complete, path)

@@ -29,12 +29,14 @@ LOG_CATEGORIES = {
 }
 
 
-def block_description(model: BlockModel, fmi_version: int, token: str) -> bytes:
-    """The file's bytes, UTF-8, indented."""
+def block_description(
+    model: BlockModel, fmi_version: int, token: str, *, portable: bool = False
+) -> bytes:
+    """The file's bytes, UTF-8, indented; `portable` says that it needs Python."""
     root = root_element(
         model.name, f"{model.description} {_timing(model)}", model.version, fmi_version, token
     )
-    _interface_type(root, model, fmi_version)
+    _interface_type(root, model, fmi_version, portable)
     entries = block_entries(model)
     unit_definitions(root, {e.unit: _meaning(e.unit) for e in entries if e.unit})
     log_categories(root, LOG_CATEGORIES)
@@ -58,7 +60,7 @@ def _timing(model: BlockModel) -> str:
     )
 
 
-def _interface_type(root: ET.Element, model: BlockModel, fmi_version: int) -> None:
+def _interface_type(root: ET.Element, model: BlockModel, fmi_version: int, portable: bool) -> None:
     attributes = {
         "modelIdentifier": model.name,
         "canHandleVariableCommunicationStepSize": "true",
@@ -72,6 +74,8 @@ def _interface_type(root: ET.Element, model: BlockModel, fmi_version: int) -> No
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
         }
+    if portable:
+        attributes["needsExecutionTool"] = "true"
     ET.SubElement(root, "CoSimulation", attributes)
 
 

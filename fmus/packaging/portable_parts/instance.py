@@ -43,12 +43,15 @@ class Instance:
         )
 
     def setup_experiment(
-        self, start_time: float, stop_time: float | None, tolerance: float | None
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
     ) -> None:
         """Take the tolerance over where one is given."""
         self._values.time = start_time
         if tolerance:
             self._values.relative_tolerance = tolerance
+
+    def exit_initialization_mode(self) -> None:
+        """A plant has nothing to do here."""
 
     def do_step(self, current_time: float, step_size: float) -> None:
         """Step, or raise StepError and keep the values as they were."""

@@ -41,11 +41,11 @@ def version(request: pytest.FixtureRequest) -> int:
     return int(request.param)
 
 
-@pytest.fixture(scope="package", params=["FMI 2", "FMI 3", "portable"])
+@pytest.fixture(scope="package", params=["FMI 2", "FMI 3", "portable", "portable FMI 3"])
 def any_fmu(request: pytest.FixtureRequest, plant: Plant) -> Path:
     """Each of the FMUs that a plant can become."""
-    portable = request.param == "portable"
-    return plant.fmu(2 if portable else int(request.param[-1]), portable=portable)
+    version = 3 if request.param.endswith("3") else 2
+    return plant.fmu(version, portable=request.param.startswith("portable"))
 
 
 @pytest.fixture(scope="package")

