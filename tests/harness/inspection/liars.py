@@ -25,12 +25,19 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def liar(folder: Path, *faults: str, capabilities: str = "", dependencies: str = "") -> Path:
-    """`folder/liar.fmu` with the faults of `liar.c` that are named."""
+def liar(
+    folder: Path,
+    *faults: str,
+    capabilities: str = "",
+    dependencies: str = "",
+    change: tuple[str, str] = ("", ""),
+) -> Path:
+    """`folder/liar.fmu` with the faults of `liar.c` that are named, and a change of its XML."""
     library, made = folder / "liar.so", folder / "liar.fmu"
     options = ["-O1", "-fPIC", "-shared", "-fvisibility=hidden", *(f"-D{one}" for one in faults)]
     subprocess.run(["cc", *options, str(SOURCE), "-o", str(library), "-lm"], check=True)
-    text = DESCRIPTION.replace("CAPABILITIES", capabilities)
+    assert change[0] in DESCRIPTION
+    text = DESCRIPTION.replace("CAPABILITIES", capabilities).replace(*change)
     with zipfile.ZipFile(made, "w") as archive:
         archive.writestr("modelDescription.xml", text.replace("DEPENDENCIES", dependencies))
         archive.write(library, "binaries/linux64/liar.so")
