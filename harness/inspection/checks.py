@@ -33,7 +33,7 @@ def runs(subject: Subject) -> Finding:
     with subject.running() as instance:
         rows = subject.advance(instance)
         instance.terminate()
-    bad = ~np.isfinite(rows).all(axis=0)
+    bad: NDArray[np.bool_] = np.atleast_1d(~np.isfinite(rows).all(axis=0))
     if bad.any():
         names = _names(subject, bad)
         return failed(f"values are not finite: {names}")
