@@ -10,7 +10,18 @@ import sys
 
 import typer
 
-from harness.cli import build, info, listing, reproduce, run, simulate, timing, verify
+from harness.cli import (
+    build,
+    doctor,
+    info,
+    listing,
+    reproduce,
+    run,
+    simulate,
+    timing,
+    validate,
+    verify,
+)
 from harness.cli.terminal import console
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
@@ -28,6 +39,8 @@ app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
 app.command("simulate")(simulate.simulate_command)
 app.command("info")(info.info_command)
+app.command("doctor")(doctor.doctor_command)
+app.command("validate")(validate.validate_command)
 app.command("timing")(timing.timing_command)
 app.command("verify")(verify.verify_command)
 

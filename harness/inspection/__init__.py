@@ -1,0 +1,1 @@
+"""What an FMU says against what it does: static faults and behaviour."""
