@@ -1,0 +1,58 @@
+"""What another tool is asked to do with one FMU, and its answer, both as JSON.
+
+A tool runs in a process of its own: it is native code of others, and so are our FMUs to it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).parents[2]
+_MARK = "answer: "
+
+
+@dataclass(frozen=True)
+class Order:
+    """Step `fmu` by `step` (s) from 0, with row k of `inputs` set before step k; report `outputs`
+    after each step. All variables are real numbers."""
+
+    fmu: str
+    step: float
+    inputs: dict[str, list[float]]
+    outputs: list[str]
+    start_values: dict[str, float] = field(default_factory=dict)
+
+
+def read_order() -> Order:
+    """The order on standard input."""
+    return Order(**json.load(sys.stdin))
+
+
+def answer(rows: list[list[float]]) -> None:
+    """Rows of the outputs, one after each step, as a line of standard output among the tool's."""
+    print("\n" + _MARK + json.dumps(rows), flush=True)
+
+
+def run_in(tool: str, order: Order) -> NDArray[np.float64]:
+    """The rows that `tests/peers/<tool>_driver.py` answers, shape (steps, outputs)."""
+    done = subprocess.run(
+        [sys.executable, "-m", f"tests.peers.{tool}_driver"],
+        input=json.dumps(asdict(order)),
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 0, f"{tool} ended with {done.returncode}: {done.stderr[-2000:]}"
+    lines = [line for line in done.stdout.splitlines() if line.startswith(_MARK)]
+    return np.array(json.loads(lines[-1].removeprefix(_MARK)))
