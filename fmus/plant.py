@@ -9,11 +9,14 @@ has no events. This module refuses to know how an FMU is made (`fmus.packaging`)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fmus.packaging.reference import PlantReference
 
 Equations = Callable[
     [SimpleNamespace, SimpleNamespace, SimpleNamespace], tuple[Mapping[str, Any], Mapping[str, Any]]
@@ -89,12 +92,24 @@ class Plant:
     display_units: tuple[DisplayUnit, ...] = ()
     version: str = "1.0"
 
-    def fmu(self, fmi_version: int = 3, *, portable: bool = False) -> Path:
+    def fmu(
+        self, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+    ) -> Path:
         """Path of this plant's FMU in the user cache, built when it is not there yet.
 
-        `fmi_version` is 2 or 3; `portable` asks for the pythonfmu packaging (FMI 2 only).
+        `fmi_version` is 2 or 3; `portable` asks for the pythonfmu packaging (FMI 2 only);
+        `targets` are the platforms of its binaries, such as "aarch64-linux", or "all".
         Raises `fmus.packaging.PackagingError` when it cannot be built.
         """
         from fmus.packaging import cached_fmu
 
-        return cached_fmu(self, fmi_version, portable=portable)
+        return cached_fmu(self, fmi_version, portable=portable, targets=targets)
+
+    def reference(self) -> PlantReference:
+        """The equations stepped in this process, without any FMU, from the start values.
+
+        Raises `fmus.packaging.PackagingError` when the plant is not sound.
+        """
+        from fmus.packaging.reference import PlantReference
+
+        return PlantReference(self)

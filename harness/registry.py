@@ -19,6 +19,8 @@ from harness.errors import FmuError, UsageError, nearest
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
 EXPERIMENTS = "fmu_harness.experiments"
+PACKAGERS = "fmu_harness.packagers"
+_OWN_PACKAGERS = {"native": "fmus.packaging.blocks:package_block"}  # where none is registered
 
 
 class Plant(Protocol):
@@ -64,6 +66,12 @@ def plant_fmu(name: str, fmi_version: int = 3, *, portable: bool = False) -> Pat
 def controller(name: str) -> Any:
     """The controller class registered under `name`, or that of "package.module:Class"."""
     return _load(CONTROLLERS, name, "controller")
+
+
+def packager(name: str) -> Any:
+    """What makes FMUs of blocks, under `name`; raises `UsageError` when there is none."""
+    own = _OWN_PACKAGERS.get(name, name)
+    return _load(PACKAGERS, name if name in _entries(PACKAGERS) else own, "packager")
 
 
 def experiments() -> dict[str, Path]:

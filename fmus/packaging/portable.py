@@ -89,7 +89,7 @@ def portable_content(plant: Plant) -> PortableContent:
             **_resources(expressions, token),
         }
 
-    bundled = _pythonfmu_files(plant.name)
+    bundled = pythonfmu_files(plant.name)
     token = content_token({**generate(_UNKNOWN_TOKEN), **bundled})
     return PortableContent(token, {**generate(token), **bundled})
 
@@ -163,7 +163,7 @@ def _function(function: Any, name: str, results: dict[str, int]) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def _pythonfmu_files(name: str) -> dict[str, bytes]:
+def pythonfmu_files(name: str) -> dict[str, bytes]:
     """pythonfmu's Python files, its libraries under the FMU's name, and its licence."""
     # Not `import pythonfmu`: a portable FMU loaded into this process may have put its own first.
     wheel = distribution("pythonfmu")

@@ -10,7 +10,7 @@ import sys
 
 import typer
 
-from harness.cli import build, info, listing, reproduce, run, timing
+from harness.cli import build, info, listing, reproduce, run, timing, verify
 from harness.cli.terminal import console
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
@@ -28,6 +28,7 @@ app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
 app.command("info")(info.info_command)
 app.command("timing")(timing.timing_command)
+app.command("verify")(verify.verify_command)
 
 
 def main(arguments: list[str] | None = None) -> None:

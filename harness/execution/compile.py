@@ -29,7 +29,7 @@ from harness.errors import HarnessError
 from harness.system.block import Block, StepFunction
 
 _POINTER = types.CPointer(types.float64)
-_SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
+SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
 _SCALARS = (bool, int, float, np.integer, np.floating)
 _MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
 
@@ -58,7 +58,7 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    function = _plain(block.step)
+    function = plain_function(block.step)
     digest = hashlib.sha256(repr(sizes).encode())
     _fingerprint(function, (), {}, digest)
     name = f"step_{digest.hexdigest()[:24]}"
@@ -71,15 +71,9 @@ _compiled: dict[str, CompiledStep] = {}
 
 
 def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
-    scope = {
-        **globals(),
-        "step": _rebuild(function, name, {}),
-        **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
-    }
-    entry = FunctionType(_entry.__code__, scope, name)
-    entry.__qualname__, entry.__module__ = name, __name__
+    entry = c_entry(rebuilt(function, name), sizes, name)
     try:
-        compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
+        compiled = cfunc(SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
             f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
@@ -88,7 +82,24 @@ def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> Compi
     return CompiledStep(compiled.address, compiled)
 
 
-def _plain(function: Any) -> FunctionType:
+def c_entry(step: Any, sizes: tuple[int, ...], name: str) -> FunctionType:
+    """The function of signature `SIGNATURE` that calls a rebuilt step for arrays of `sizes`."""
+    scope = {
+        **globals(),
+        "step": step,
+        **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
+    }
+    entry = FunctionType(_entry.__code__, scope, name)
+    entry.__qualname__, entry.__module__ = name, __name__
+    return entry
+
+
+def rebuilt(function: FunctionType, name: str) -> Any:
+    """A step function as a numba function called `name`, whose helpers are numba functions."""
+    return _rebuild(function, name, {})
+
+
+def plain_function(function: Any) -> FunctionType:
     """The Python function itself, also of one that numba has decorated."""
     function = getattr(function, "py_func", function)
     if not isinstance(function, FunctionType):
@@ -132,7 +143,7 @@ def _fingerprint(
     for name, value in _named(function).items():
         digest.update(f"{name}={_identity(function, name, value)};".encode())
         if _is_function(value):
-            _fingerprint(_plain(value), (*callers, function), seen, digest)
+            _fingerprint(plain_function(value), (*callers, function), seen, digest)
 
 
 def _identity(function: FunctionType, name: str, value: Any) -> str:
@@ -158,7 +169,7 @@ def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(_plain(value), step, done)
+            name: _rebuild(plain_function(value), step, done)
             for name, value in _named(function).items()
             if _is_function(value)
         }

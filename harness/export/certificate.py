@@ -1,0 +1,129 @@
+"""The parity certificate of an exported FMU: what the same model did in this process.
+
+It lies in the FMU at `extra/fmu-harness.parity/certificate.json` and holds inputs, the outputs of
+the in-process object, the largest difference of the FMU to them where it was made, and versions.
+Whoever has the FMU replays it on a machine of his own (`fmu-harness verify`). Numbers are written
+with the digits that read back to the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import FmuError
+from harness.fmi.fmu import Fmu
+
+Array = NDArray[np.float64]
+MEMBER = "extra/fmu-harness.parity/certificate.json"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Row k of `inputs` is held during step k of `step` (s), row k of `outputs` is read after it.
+
+    `reference` says what computed the outputs; `difference` is the largest one of the FMU's to
+    each output where it was made, `tolerance` the share of an output's range that may differ
+    elsewhere, where another mathematical library rounds otherwise.
+    """
+
+    model: str
+    reference: str
+    step: float
+    inputs: Mapping[str, tuple[float, ...]]
+    outputs: Mapping[str, tuple[float, ...]]
+    difference: Mapping[str, float]
+    tolerance: float
+    made_with: Mapping[str, str]
+    format: int = FORMAT
+
+    def as_bytes(self) -> bytes:
+        """JSON, UTF-8."""
+        return (json.dumps(asdict(self), indent=1, ensure_ascii=False) + "\n").encode()
+
+    @classmethod
+    def from_bytes(cls, text: bytes, source: Path) -> Certificate:
+        """Raises `FmuError` where `source` holds something else."""
+        try:
+            data = json.loads(text)
+            columns = {
+                group: {str(n): tuple(map(float, column)) for n, column in data[group].items()}
+                for group in ("inputs", "outputs")
+            }
+            found = cls(**{**data, **columns, "step": float(data["step"])})
+            lengths = {len(c) for group in columns.values() for c in group.values()}
+            if found.format != FORMAT or len(lengths) != 1 or not columns["outputs"]:
+                raise ValueError("another form")
+        except (ValueError, TypeError, KeyError, AttributeError) as fault:
+            raise FmuError(f"the parity certificate of {source} cannot be read: {fault}") from fault
+        return found
+
+    @property
+    def rows(self) -> int:
+        """Number of communication steps."""
+        return len(next(iter(self.outputs.values())))
+
+
+def read_certificate(fmu: Fmu) -> Certificate:
+    """The certificate in an opened FMU; raises `FmuError` when there is none."""
+    path = fmu.folder / MEMBER
+    if not path.is_file():
+        raise FmuError(
+            f"FMU {fmu.path} has no parity certificate; those that `fmu-harness build` writes do"
+        )
+    return Certificate.from_bytes(path.read_bytes(), fmu.path)
+
+
+def replay(
+    fmu: Fmu, step: float, inputs: Mapping[str, tuple[float, ...]], outputs: tuple[str, ...]
+) -> Array:
+    """Rows of `outputs` after each step with a row of `inputs` held, shape (rows, outputs).
+
+    Raises `FmuError`, for a variable that the FMU does not have, too.
+    """
+    rows = []
+    with fmu.instantiate("parity") as instance:
+        instance.enter_initialization_mode(0.0, None, None)
+        instance.exit_initialization_mode()
+        for k, values in enumerate(zip(*inputs.values(), strict=True)):
+            instance.set(dict(zip(inputs, values, strict=True)))
+            instance.do_step(k * step, step)
+            rows.append([float(instance.get(name)) for name in outputs])
+        instance.terminate()
+    return np.array(rows, dtype=float).reshape(-1, len(outputs))
+
+
+def differences(found: Array, certificate: Certificate) -> dict[str, float]:
+    """The largest absolute difference of each output to the certificate's; equal bits give 0."""
+    answer = {}
+    for column, (name, values) in zip(found.T, certificate.outputs.items(), strict=True):
+        expected = np.array(values)
+        equal = (column == expected) | (np.isnan(column) & np.isnan(expected))
+        gap = np.where(equal, 0.0, np.abs(column - expected))
+        answer[name] = float(np.max(np.where(np.isnan(gap), np.inf, gap), initial=0.0))
+    return answer
+
+
+def allowed(certificate: Certificate) -> dict[str, float]:
+    """How far each output may be off: `tolerance` of the range that it runs through."""
+    spans = {n: float(np.ptp(np.nan_to_num(v))) for n, v in certificate.outputs.items()}
+    return {name: certificate.tolerance * span for name, span in spans.items()}
+
+
+def with_certificate(path: Path, target: Path, certificate: Certificate) -> None:
+    """Write the FMU at `path` with the certificate to `target`, its other bytes unchanged."""
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(target, "w") as made:
+        for member in source.infolist():
+            if member.filename != MEMBER:
+                made.writestr(member, source.read(member))
+        entry = zipfile.ZipInfo(MEMBER, date_time=(1980, 1, 1, 0, 0, 0))
+        entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
+        entry.external_attr = 0o644 << 16
+        made.writestr(entry, certificate.as_bytes())
