@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -21,14 +22,24 @@ _MARK = "answer: "
 
 @dataclass(frozen=True)
 class Order:
-    """Step `fmu` by `step` (s) from 0, with row k of `inputs` set before step k; report `outputs`
-    after each step. All variables are real numbers."""
+    """Step the FMUs (`fmus`: path by component name) together by `step` (s) from 0.
 
-    fmu: str
+    `wires` are pairs of ports "component.variable", from an output to an input. Row k of the
+    columns `inputs` is set before step k; `outputs` are reported after each step; `start_values`
+    are set before initialisation. All variables are real numbers.
+    """
+
+    fmus: dict[str, str]
     step: float
-    inputs: dict[str, list[float]]
+    steps: int
     outputs: list[str]
+    inputs: dict[str, list[float]] = field(default_factory=dict)
+    wires: list[tuple[str, str]] = field(default_factory=list)
     start_values: dict[str, float] = field(default_factory=dict)
+
+    def rows(self) -> Iterator[list[float]]:
+        """What is set before each step, in the order of `inputs`."""
+        return ([column[k] for column in self.inputs.values()] for k in range(self.steps))
 
 
 def read_order() -> Order:

@@ -33,8 +33,9 @@ def steady_outputs(plant: Plant, fmu: str) -> list[str]:
 
 def order_of(plant: Plant, run: Excited, fmu: str) -> Order:
     held = run.inputs[:-1]
-    inputs = {v.name: held[:, i].tolist() for i, v in enumerate(plant.inputs)}
-    return Order(fmu, run.step, inputs, steady_outputs(plant, fmu))
+    inputs = {f"plant.{v.name}": held[:, i].tolist() for i, v in enumerate(plant.inputs)}
+    outputs = [f"plant.{name}" for name in steady_outputs(plant, fmu)]
+    return Order({"plant": fmu}, run.step, len(held), outputs, inputs)
 
 
 @pytest.mark.parametrize("name", registry.names(registry.PLANTS))
@@ -48,5 +49,5 @@ def test_to_the_last_bit(tool: str, kind: str, name: str) -> None:
     run = excite(plant, version)
     order = order_of(plant, run, str(plant.fmu(version, portable=portable)))
     found = run_in(tool, order)
-    expected = np.array([run.result[f"plant.{output}"] for output in order.outputs]).T[1:]
+    expected = np.array([run.result[output] for output in order.outputs]).T[1:]
     assert np.array_equal(found, expected)
