@@ -1,9 +1,9 @@
 """The lead loop, plant and controller as FMUs, under other masters.
 
 A master that steps the controller first and passes its output on for the same step closes the loop
-as ours does. Ecos and libcosim step all FMUs at once and pass the outputs on afterwards, so what the controller computes
-from y(t_k) acts from t_k+1 on. That is our loop with a delay of one sample on the wire from the
-controller to the plant, and it is to the last bit.
+as ours does. Ecos and libcosim step all FMUs at once and pass the outputs on afterwards, so what
+the controller computes from y(t_k) acts from t_k+1 on. That is our loop with a delay of one sample
+on the wire from the controller to the plant, and it is to the last bit.
 """
 
 from __future__ import annotations
