@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from harness.execution.compile import CompileError, plain_function
+from harness.execution.compile import CompileError, step_functions
 from harness.system.block import Block
 
 _HEAD = "import math\n\nimport numpy\nfrom numpy import array, float64\n"
@@ -28,7 +28,7 @@ _HEAD = "import math\n\nimport numpy\nfrom numpy import array, float64\n"
 def python_source(block: Block) -> str:
     """The module's text; raises `CompileError` naming what cannot be written."""
     writer = _Writer()
-    entry = writer.function(plain_function(block.step))
+    entry = writer.function(step_functions(block.step)[0])
     arguments = "p, x, u, y"
     last = f"def step({arguments}):\n    {entry}({arguments})\n"
     return "\n\n".join([_HEAD, *writer.constants.values(), *writer.functions, last])
@@ -55,7 +55,7 @@ class _Writer:
     def value(self, function: FunctionType, name: str, value: Any) -> str:
         """The expression for a global value that `function` names."""
         if isinstance(value, FunctionType) or hasattr(value, "py_func"):
-            return self.function(plain_function(value))
+            return self.function(getattr(value, "py_func", value))
         if isinstance(value, ModuleType) and value.__name__ in ("math", "numpy"):
             return value.__name__
         if isinstance(value, (BuiltinFunctionType, np.ufunc, type)):
