@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from functools import cache
 
 import numpy as np
@@ -96,12 +95,9 @@ class InProcess:
         self.p, self.x = block.parameters.copy(), block.state.copy()
         self.u, self.y = np.zeros(len(block.inputs)), np.zeros(len(block.outputs))
         self.compiled = compile_step(block)
-        self.function = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 4)(
-            self.compiled.address
-        )
 
     def __call__(self, inputs: NDArray[np.float64]) -> NDArray[np.float64]:
         """The outputs for these inputs."""
         self.u[:] = inputs
-        self.function(*(a.ctypes.data for a in (self.p, self.x, self.u, self.y)))
+        self.compiled(self.p, self.x, self.u, self.y)
         return self.y

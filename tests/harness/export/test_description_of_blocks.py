@@ -66,15 +66,6 @@ def test_there_are_no_sources_but_what_it_was_made_from(version: int) -> None:
     assert {"extra/fmu-harness.build/step.ll", "extra/fmu-harness.build/all.c"} <= set(names)
 
 
-def test_extra_files_of_the_caller_are_added(version: int) -> None:
-    def size(path: Path) -> dict[str, bytes]:
-        return {"certificate.txt": f"{validate_fmu(str(path))}".encode()}
-
-    path = controller_fmu(counter(), "block", 0.01, version, extra=size)
-    with zipfile.ZipFile(path) as archive:
-        assert archive.read("extra/certificate.txt") == b"[]"
-
-
 def test_names_that_no_fmu_can_carry_are_refused() -> None:
     block = Block((Signal("a"),), (Signal("a"), Signal("b")), counter_step)
     with pytest.raises(FmuError, match="'a' is given to more than one variable"):
