@@ -184,12 +184,17 @@ class Bench:
         *,
         delay: float = 0.0,
         imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
+        factor: float = 1.0,
+        offset: float = 0.0,
+        convert_units: bool = True,
         **named: Mapping[str, Any],
     ) -> None:
         """A wire from `component.output` to `component.input`.
 
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
-        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds.
+        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. What arrives
+        is `factor` · value + `offset`, the value being converted to the target's unit first
+        unless `convert_units` is off.
         """
         with _named(f"connection {source} -> {target}"):
             put = [_imperfection(one) for one in imperfections]
@@ -201,6 +206,9 @@ class Bench:
                 self._endpoint(target),
                 to_nanoseconds(delay, label),
                 tuple(put),
+                factor,
+                offset,
+                convert_units,
             )
         )
 

@@ -138,9 +138,7 @@ def write(element: Element) -> bytes:
 @cache
 def _specs(kind: type[Element]) -> tuple[tuple[str, Any], ...]:
     """Field names with their specs, in order."""
-    return tuple(
-        (f.name, f.metadata[_XML]) for f in dataclasses.fields(kind) if _XML in f.metadata
-    )
+    return tuple((f.name, f.metadata[_XML]) for f in dataclasses.fields(kind) if _XML in f.metadata)
 
 
 def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
@@ -165,9 +163,7 @@ def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
     return kind(**values)
 
 
-def _attribute_value(
-    spec: _Attribute, name: str, given: str | None, place: str, tag: str
-) -> Any:
+def _attribute_value(spec: _Attribute, name: str, given: str | None, place: str, tag: str) -> Any:
     if given is None:
         if spec.required:
             raise ExperimentError(f"{place}: {tag} lacks its attribute {name!r}")
@@ -236,9 +232,7 @@ def _to_xml(element: Element, nsmap: Mapping[str, str], depth: int) -> Any:
     return made
 
 
-def _child_elements(
-    spec: _Children, value: Any, nsmap: Mapping[str, str], depth: int
-) -> list[Any]:
+def _child_elements(spec: _Children, value: Any, nsmap: Mapping[str, str], depth: int) -> list[Any]:
     given = value if spec.many else [value] if value is not None else []
     deeper = depth + bool(spec.wrapper)
     elements = [_to_xml(one, nsmap, deeper) for one in given]

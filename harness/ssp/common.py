@@ -69,9 +69,7 @@ class UnitDefinition(Base):
     TAGS = ("ssc:Unit",)
     name: str = attribute()
     base: BaseUnit = child(BaseUnit, optional=False)
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssc:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssc:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,9 +88,7 @@ class Enumeration(Base):
     TAGS = ("ssc:Enumeration",)
     name: str = attribute()
     items: tuple[Item, ...] = children(lambda: (Item,))
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssc:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssc:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -132,9 +132,7 @@ class Connection(Base):
     end_element: str | None = attribute("endElement", default=None)
     end_connector: str = attribute("endConnector")
     end_indices: tuple[str, ...] = attribute("endIndices", "list", default=())
-    suppress_unit_conversion: bool = attribute(
-        "suppressUnitConversion", "boolean", default=False
-    )
+    suppress_unit_conversion: bool = attribute("suppressUnitConversion", "boolean", default=False)
     transformation: Transformation | None = child(LinearTransformation, MappingTransformation)
     geometry: tuple[str, ...] = as_it_is("ssd:ConnectionGeometry")
     annotations: tuple[Annotation, ...] = _annotations()
@@ -159,9 +157,7 @@ class SystemElement(ModelElement):
     elements: tuple[Component | DictionaryReference | SystemElement, ...] = children(
         lambda: (Component, DictionaryReference, SystemElement), wrapper="ssd:Elements"
     )
-    connections: tuple[Connection, ...] = children(
-        lambda: (Connection,), wrapper="ssd:Connections"
-    )
+    connections: tuple[Connection, ...] = children(lambda: (Connection,), wrapper="ssd:Connections")
     dictionaries: tuple[DictionaryDefinition, ...] = children(
         lambda: (DictionaryDefinition,), wrapper="ssd:SignalDictionaries"
     )

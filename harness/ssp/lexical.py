@@ -58,7 +58,7 @@ def read_boolean(text: str) -> bool:
 
 
 def write_boolean(value: bool) -> str:
-    """"true" or "false"."""
+    """ "true" or "false"."""
     return "true" if value else "false"
 
 

@@ -58,9 +58,7 @@ class Parameter(Base):
     name: str = attribute()
     value: ParameterValue = child(ParameterValue, optional=False)
     dimensions: tuple[Dimension, ...] = children(lambda: (Dimension,))
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssv:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssv:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,9 +76,7 @@ class ParameterSet(TopLevel):
     )
     units: tuple[UnitDefinition, ...] = children(lambda: (UnitDefinition,), wrapper="ssv:Units")
     metadata: tuple[str, ...] = metadata()
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssv:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssv:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,13 +86,9 @@ class MappingEntry(Base):
     TAGS = ("ssm:MappingEntry",)
     source: str = attribute()
     target: str = attribute()
-    suppress_unit_conversion: bool = attribute(
-        "suppressUnitConversion", "boolean", default=False
-    )
+    suppress_unit_conversion: bool = attribute("suppressUnitConversion", "boolean", default=False)
     transformation: Transformation | None = child(LinearTransformation, MappingTransformation)
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssm:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssm:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,9 +99,7 @@ class ParameterMapping(TopLevel):
     version: str = attribute(choices=VERSIONS)
     entries: tuple[MappingEntry, ...] = children(lambda: (MappingEntry,))
     metadata: tuple[str, ...] = metadata()
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssm:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssm:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,9 +110,7 @@ class DictionaryEntry(Base):
     name: str = attribute()
     type: DataType = child(DataType, optional=False)
     dimensions: tuple[Dimension, ...] = children(lambda: (Dimension,))
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssb:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssb:Annotations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,6 +125,4 @@ class Dictionary(TopLevel):
     )
     units: tuple[UnitDefinition, ...] = children(lambda: (UnitDefinition,), wrapper="ssb:Units")
     metadata: tuple[str, ...] = metadata()
-    annotations: tuple[Annotation, ...] = children(
-        lambda: (Annotation,), wrapper="ssb:Annotations"
-    )
+    annotations: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssb:Annotations")

@@ -111,12 +111,19 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire: what is put on it, in order, then a delay after which the value arrives."""
+    """A wire: what is put on it, in order, then a delay after which the value arrives.
+
+    It arrives as `factor` · value + `offset`, the value being converted to the unit of the target
+    first, unless `convert_units` is off.
+    """
 
     source: Endpoint
     target: Endpoint
     delay_ns: int = 0
     imperfections: tuple[Imperfection, ...] = ()
+    factor: float = 1.0
+    offset: float = 0.0
+    convert_units: bool = True
 
 
 @dataclass(frozen=True)
