@@ -1,4 +1,4 @@
-"""Experiments as commands name them: a registered name, a TOML file, or a system structure package."""
+"""Experiments as commands name them: a registered name, a TOML file, or a package (SSP)."""
 
 from __future__ import annotations
 

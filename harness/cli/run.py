@@ -61,7 +61,7 @@ def run_command(
 def _run(
     loaded: Experiment, variants: tuple[str, ...], folder: Path, echo: Echo | None
 ) -> Iterator[Path]:
-    from harness.experiment.report import metrics_table, write_report
+    from harness.experiment.report import metrics_table, signals_table, write_report
 
     results, faults = {}, {}
     with bar() as shown:
@@ -75,7 +75,8 @@ def _run(
                     raise
                 faults[name] = fault
                 results[name] = fault.result
-    console().print(metrics_table(loaded, results))
+    judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
+    console().print(metrics_table(loaded, results) if judged else signals_table(loaded, results))
     yield from write_report(loaded, results, folder)
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))

@@ -136,7 +136,7 @@ def write(element: Element) -> bytes:
 
 
 @cache
-def _specs(kind: type[Element]) -> tuple[tuple[str, Any], ...]:
+def _specs(kind: Any) -> tuple[tuple[str, Any], ...]:
     """Field names with their specs, in order."""
     return tuple((f.name, f.metadata[_XML]) for f in dataclasses.fields(kind) if _XML in f.metadata)
 

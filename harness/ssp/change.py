@@ -42,7 +42,7 @@ class Change:
 
     def mapped(self, table: Table) -> Change:
         """This, then a table; raises `ExperimentError` after a factor or offset."""
-        if (self.factor, self.offset) != (1, 0):
+        if self.factor != 1 or self.offset != 0:
             raise ExperimentError("a mapping of values cannot follow a linear transformation")
         first, second = dict(self.table), dict(table)
         merged = {key: second.get(value, value) for key, value in first.items()}

@@ -50,9 +50,8 @@ def own_steps(step: float, fmus: Mapping[str, ModelDescription], where: str) -> 
         fixed = _fixed(description)
         if fixed and nearest_nanosecond(step) % nearest_nanosecond(fixed):
             found[name] = _rounded(fixed)
-            warn(
-                f"{where}: {name} steps by {found[name]!r} s, its fixed internal step", stacklevel=2
-            )
+            why = f"steps by {found[name]!r} s, its fixed internal step"
+            warn(f"{where}: {name} {why}", stacklevel=2)
     return found
 
 

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from harness.errors import ExperimentError, HarnessError, nearest
 from harness.ssp.change import Change, transformed
-from harness.ssp.document import Connection, Transformation
+from harness.ssp.common import Transformation
+from harness.ssp.document import Connection
 from harness.ssp.ports import SINKS, SOURCES, Node, Port, Ports, reference_at
 from harness.ssp.tree import SystemNode, Tree
 from harness.system.units import Unit, exact_conversion
@@ -59,7 +60,8 @@ def flat_wires(tree: Tree, ports: Ports) -> tuple[FlatWire, ...]:
 
 
 def _followed(target: Node, incoming: Mapping[Node, Edge], tree: Tree) -> FlatWire:
-    node, edges = target, []
+    node = target
+    edges: list[Edge] = []
     while node in incoming:
         edge = incoming[node]
         if edge in edges:
@@ -121,23 +123,21 @@ def _edges(tree: Tree, ports: Ports) -> Iterator[Edge]:
 
 
 def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:
-    start = _shown(c.start_element, c.start_connector)
-    end = _shown(c.end_element, c.end_connector)
+    elements = [name or None for name in (c.start_element, c.end_element)]  # some tools write ""
+    start, end = _shown(elements[0], c.start_connector), _shown(elements[1], c.end_connector)
     inside = f" of system {'.'.join(system.path)}" if system.path else ""
     place = f"{system.scope.where}: connection {start} – {end}{inside}"
     if c.start_indices or c.end_indices:
         raise ExperimentError(f"{place}: single elements of arrays cannot be connected yet")
-    first = _node(system, c.start_element, c.start_connector, ports, place)
-    second = _node(system, c.end_element, c.end_connector, ports, place)
+    first = _node(system, elements[0], c.start_connector, ports, place)
+    second = _node(system, elements[1], c.end_connector, ports, place)
     roles = [
         _role(ports.port(node, place).kind, own=element is None)
-        for node, element in ((first, c.start_element), (second, c.end_element))
+        for node, element in zip((first, second), elements, strict=True)
     ]
     if roles[0] and roles[0] == roles[1]:
         what = "give values" if roles[0] == "source" else "take values"
-        raise ExperimentError(
-            f"{place}: both connectors {what}; one of them must be the other kind"
-        )
+        raise ExperimentError(f"{place}: both connectors {what}; one must be of the other kind")
     if roles[0] == "sink" or roles[1] == "source":
         return Edge(second, first, c, place)
     return Edge(first, second, c, place)

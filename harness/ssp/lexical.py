@@ -16,7 +16,7 @@ _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 @dataclass(frozen=True)
 class Form:
-    """`read` makes a value of a text (raising ValueError with what it is not), `write` undoes it."""
+    """`read` makes a value of a text (ValueError says what it is not), `write` undoes it."""
 
     read: Callable[[str], Any]
     write: Callable[[Any], str]

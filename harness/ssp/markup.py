@@ -52,7 +52,8 @@ def parse(content: bytes, where: str) -> Any:
         root = etree.fromstring(content, parser)
     except (etree.XMLSyntaxError, ValueError) as fault:
         raise ExperimentError(f"{where} is no readable XML: {fault}") from fault
-    if root.getroottree().docinfo.doctype:
+    docinfo: Any = root.getroottree().docinfo
+    if docinfo.doctype:
         raise ExperimentError(f"{where} has a DOCTYPE, which SSP documents may not have")
     return root
 

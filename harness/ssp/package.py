@@ -94,7 +94,7 @@ def open_package(path: str | Path) -> Iterator[Package]:
 
 
 def is_package(path: str | Path) -> bool:
-    """Whether that looks like a package: a `.ssp` or `.ssd` file, or a folder with a description."""
+    """Whether that names a package: a `.ssp` or `.ssd` file, or a folder with a description."""
     path = Path(path)
     return path.suffix in (".ssp", ".ssd") or (path / DEFAULT).is_file()
 

@@ -32,12 +32,14 @@ Scalar = float | int | bool | str
 @dataclass(frozen=True)
 class Value:
     """A parameter's value: one scalar, or those of an array. `unit` is that of its numbers, `items`
-    are those of its enumeration, `transformation` is yet to be applied."""
+    are those of its enumeration, `transformation` is yet to be applied; `array` tells an array of
+    one from a scalar."""
 
     content: tuple[Scalar, ...]
     unit: Unit | None = None
     items: Items | None = None
     transformation: Transformation | None = None
+    array: bool = False
 
     def changed(self, change: Change) -> Value:
         """With another content of its numbers; items of an enumeration become numbers."""
@@ -81,7 +83,10 @@ def bound_values(
         raise ExperimentError(f"{place} has neither a source nor values")
     units, enumerations = units_of(content.units), enumerations_of(content.enumerations)
     named = {
-        f"{given.prefix}{one.name}": _value(one.value, units, enumerations, f"{place}: {one.name}")
+        f"{given.prefix}{one.name}": replace(
+            _value(one.value, units, enumerations, f"{place}: {one.name}"),
+            array=bool(one.dimensions),
+        )
         for one in content.parameters
     }
     if given.mapping is None:

@@ -20,8 +20,8 @@ from harness.ssp.common import Annotation
 from harness.ssp.document import SystemStructure
 from harness.ssp.lexical import read_double
 
-TYPE = "io.github.fmu-harness"
-"""The reverse-domain name of our annotations and of our folder in `extra/`."""
+TYPE = "fmu-harness.settings"
+"""The name under which our annotations stand, beside `fmu-harness.*` in `extra/` of FMUs."""
 
 NAMESPACE = "urn:fmu-harness:settings:1"
 _TAG = f"{{{NAMESPACE}}}Settings"
@@ -51,7 +51,7 @@ def annotation(settings: Mapping[str, Any]) -> tuple[Annotation, ...]:
     if not settings:
         return ()
     try:
-        content = json.dumps(dict(settings), ensure_ascii=False, allow_nan=False)
+        content = json.dumps(dict(settings), ensure_ascii=False)
     except (TypeError, ValueError) as fault:
         raise ExperimentError(f"settings cannot be written as JSON: {fault}") from fault
     xml = f'<Settings xmlns="{NAMESPACE}">{escape(content, quote=False)}</Settings>'

@@ -25,6 +25,7 @@ from harness.ssp.ports import Node, Ports
 from harness.ssp.tree import FmuNode, Scope, SystemNode, Tree, TreePath
 
 Bound = dict[Node, "_Bound"]
+TreeNode = SystemNode | FmuNode
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ def start_values(
     """The start values of each FMU by variable, in the order in which they are bound."""
     bound: Bound = {}
     order = 0
-    for node in sorted([*tree.systems, *tree.fmus], key=lambda one: len(one.path)):
+    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
+    for node in sorted(nodes, key=lambda one: len(one.path)):
         source = node.element.source if isinstance(node, FmuNode) else None
         for one, scope in _bindings(node):
             place = f"{scope.where}: parameter binding of {'.'.join(node.path) or 'the system'}"
@@ -58,15 +60,13 @@ def start_values(
     return found
 
 
-def _bindings(node: SystemNode | FmuNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
+def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
     if isinstance(node, SystemNode):
         return node.bindings
     return tuple((one, node.scope) for one in node.element.bindings)
 
 
-def _give(
-    bound: Bound, tree: Tree, ports: Ports, node: SystemNode | FmuNode, name: str, given: _Bound
-) -> None:
+def _give(bound: Bound, tree: Tree, ports: Ports, node: TreeNode, name: str, given: _Bound) -> None:
     """Bind a value to every variable and connector of that hierarchical name."""
     ends = list(_named(tree, ports, node, name))
     if not ends:
@@ -80,9 +80,10 @@ def _give(
             raise ExperimentError(f"{given.place}: {fault}") from fault
 
 
-def _named(tree: Tree, ports: Ports, node: SystemNode | FmuNode, name: str) -> Iterator[Node]:
+def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node]:
     depth = len(node.path)
-    for one in (*tree.systems, *tree.fmus):
+    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
+    for one in nodes:
         prefix = "".join(f"{part}." for part in one.path[depth:])
         if one.path[:depth] != node.path or not name.startswith(prefix):
             continue
@@ -119,7 +120,7 @@ def _start_value(end: Node, given: _Bound, ports: Ports) -> Any:
         made = [_as_type(one, port.variable, items) for one in given.value.content]
     except ValueError as fault:
         raise ExperimentError(f"{given.place}: a value for {end} is {fault}") from fault
-    return made[0] if len(made) == 1 else made
+    return made[0] if len(made) == 1 and not given.value.array else made
 
 
 def _as_type(value: Scalar, variable: Variable, items: Items | None) -> Scalar:

@@ -38,7 +38,7 @@ Table = dict[str, Any]
 REPORT = ("title", "description", "measure", "plots", "metrics", "study", "sweep")
 """What an experiment says for all of its variants."""
 
-_TOP = (
+TOP_SETTINGS = (
     *(f for f in ExperimentSpec.model_fields
       if f not in ("components", "connections", "variants", "extends", "stop_time", "start_time")),
     "label", "report",
@@ -61,12 +61,12 @@ def open_experiment(
     """
     with open_package(path) as package, ExitStack() as stack:
         describe = cache(_describe)
+        names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in package.structures:
             tree = build_tree(package, file, stack)
             table = _Importer(package, file, tree, Ports(tree, describe), in_process).table()
-            name = _variant_name(package, file, variants)
-            variants[name] = merge(table, settings or {})
+            variants[names[file]] = merge(table, settings or {})
         first = next(iter(variants.values()))
         report = first.pop("report", {})
         base = {k: v for k, v in first.items() if k != "label"} | report
@@ -82,14 +82,18 @@ def _describe(path: Path) -> ModelDescription:
         return fmu.description
 
 
-def _variant_name(package: Package, file: str, taken: Mapping[str, Any]) -> str:
-    """The name of the description, or that of its file where another has it already."""
+def variant_names(package: Package) -> dict[str, str]:
+    """The name of the variant that each root description is: its own name, or that of its file
+    where another has it already."""
     names = [one.name for one in package.structures.values()]
-    own = package.structures[file].name
-    name = safe_name(own if names.count(own) == 1 else Path(file).stem)
-    while name in taken:
-        name += "_"
-    return name
+    found: dict[str, str] = {}
+    for file, structure in package.structures.items():
+        unique = names.count(structure.name) == 1
+        name = safe_name(structure.name if unique else Path(file).stem)
+        while name in found.values():
+            name += "_"
+        found[file] = name
+    return found
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ class _Importer:
     def table(self) -> Table:
         """The description as the content of an experiment file."""
         structure = self.package.structures[self.file]
-        top = settings_of(structure.annotations, _TOP, self.where)
+        top = settings_of(structure.annotations, TOP_SETTINGS, self.where)
         check_names(top, self.where)
         check_names(top.get("report", {}), self.where)
         wires = flat_wires(self.tree, self.ports)
@@ -146,7 +150,7 @@ class _Importer:
             )
         stands_for = next((k for k in ("controller", "signal") if k in own), None)
         if stands_for is None or not self.in_process:
-            kept = {k: own[k] for k in ("step", "tolerance") if k in own}
+            kept: Table = {k: own[k] for k in ("step", "tolerance") if k in own}
             if stands_for is not None and "sample_time" in own:
                 kept["step"] = own["sample_time"]
             return self._fmu(node, starts, kept)
@@ -176,14 +180,13 @@ class _Importer:
                 raise ExperimentError(f"{edge.place}: delays or imperfections in two places")
             own |= given
         only = wire.edges[0].connection
-        plain = len(wire.edges) == 1 and isinstance(
-            only.transformation, LinearTransformation | None
-        )
+        linear = only.transformation or LinearTransformation()
+        plain = len(wire.edges) == 1 and isinstance(linear, LinearTransformation)
         if plain and self._as_the_harness_converts(wire):
-            if only.transformation is not None:
-                made |= _unless({"factor": only.transformation.factor,
-                                 "offset": only.transformation.offset})  # fmt: skip
-            return made | _unless({"convert_units": not only.suppress_unit_conversion}) | own
+            assert isinstance(linear, LinearTransformation)
+            numbers: Table = {"factor": linear.factor, "offset": linear.offset}
+            numbers["convert_units"] = not only.suppress_unit_conversion
+            return made | _unless(numbers) | own
         source = self.ports.port(wire.source, wire.edges[0].place)
         change = change_along(wire.edges, self.ports, source.unit)
         if change.table:

@@ -137,7 +137,8 @@ def _wire_faults(
     if len(infos) == 2:
         yield from _type_faults(label, infos[0], infos[1], connection.convert_units)
         if not (isfinite(connection.factor) and isfinite(connection.offset)):
-            yield f"{label}: factor {connection.factor} and offset {connection.offset} must be finite"
+            numbers = f"factor {connection.factor} and offset {connection.offset}"
+            yield f"{label}: {numbers} must be finite"
 
 
 def _type_faults(
