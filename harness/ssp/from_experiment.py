@@ -93,9 +93,8 @@ def export_experiment(
     for variant in variants:
         file = f"{safe_name(variant)}.ssd" if structures else DEFAULT
         try:
-            structures[file] = _Exporter(experiment, variant, resources, block_fmu).structure(
-                first=not structures
-            )
+            exporter = _Exporter(experiment, variant, tuple(variants), resources, block_fmu)
+            structures[file] = exporter.structure(first=not structures)
         except HarnessError as fault:
             faults.append(f"{experiment.name} ({variant}) cannot be exported: {fault}")
     if faults:
@@ -107,6 +106,7 @@ def export_experiment(
 class _Exporter:
     experiment: Experiment
     variant: str
+    variants: tuple[str, ...]
     resources: Resources
     block_fmu: BlockFmu
 
@@ -156,6 +156,8 @@ class _Exporter:
                 by_alias=True, exclude_unset=True, include=set(REPORT)
             )
             given["report"] = {k: v for k, v in base.items() if given.get(k) != v}
+            _only(given["report"], self.variants)
+        _only(given, self.variants)
         return {"step": spec.step, "algorithm": spec.algorithm, **given}
 
     def _source(self, c: graph.Component, system: graph.System, spec: ExperimentSpec) -> Path:
@@ -238,6 +240,19 @@ class _Exporter:
 
     def _say(self, what: str) -> None:
         warn(f"in other tools {what}", stacklevel=2)
+
+
+def _only(settings: Table, variants: tuple[str, ...]) -> None:
+    """Leave out what is about variants that are not exported: their plots, and a study whose
+    baseline is one of them."""
+    plots = settings.get("plots", {})
+    for name, plot in list(plots.items()):
+        if plot.get("variants"):
+            plot["variants"] = tuple(one for one in plot["variants"] if one in variants)
+            if not plot["variants"]:
+                del plots[name]
+    if settings.get("study") and settings["study"]["baseline"] not in variants:
+        del settings["study"]
 
 
 def _period(component: graph.Component) -> int:
