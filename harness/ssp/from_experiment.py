@@ -126,7 +126,7 @@ class _Exporter:
             for c in system.components
         )
         root = SystemElement(
-            name=safe_name(self.experiment.path.stem),
+            name=self.variant,
             description=spec.title,
             elements=elements,
             connections=tuple(self._connection(c, spec) for c in system.connections),
@@ -157,6 +157,8 @@ class _Exporter:
             )
             given["report"] = {k: v for k, v in base.items() if given.get(k) != v}
             _only(given["report"], self.variants)
+            if len(self.variants) > 1:
+                given["order"] = list(self.variants)
         _only(given, self.variants)
         return {"step": spec.step, "algorithm": spec.algorithm, **given}
 

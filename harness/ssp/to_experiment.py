@@ -41,7 +41,7 @@ REPORT = ("title", "description", "measure", "plots", "metrics", "study", "sweep
 TOP_SETTINGS = (
     *(f for f in ExperimentSpec.model_fields
       if f not in ("components", "connections", "variants", "extends", "stop_time", "start_time")),
-    "label", "report",
+    "label", "report", "order",
 )  # fmt: skip
 _COMPONENT = (
     "step", "tolerance", "controller", "sample_time", "phase", "outputs", "signal", "parameters",
@@ -63,12 +63,14 @@ def open_experiment(
         describe = cache(_describe)
         names = variant_names(package)
         variants: dict[str, Table] = {}
-        for file in package.structures:
+        for file in _ordered(package, names):
             tree = build_tree(package, file, stack)
             table = _Importer(package, file, tree, Ports(tree, describe), in_process).table()
             variants[names[file]] = merge(table, settings or {})
         first = next(iter(variants.values()))
         report = first.pop("report", {})
+        for table in variants.values():
+            table.pop("order", None)
         base = {k: v for k, v in first.items() if k != "label"} | report
         whole = {
             name: {k: v for k, v in table.items() if k != "report"} | {"whole": True}
@@ -94,6 +96,15 @@ def variant_names(package: Package) -> dict[str, str]:
             name += "_"
         found[file] = name
     return found
+
+
+def _ordered(package: Package, names: Mapping[str, str]) -> list[str]:
+    """The root descriptions in the order of variants that the default one states, if it does."""
+    default = next(iter(names))
+    given = package.structures[default].annotations
+    order = settings_of(given, TOP_SETTINGS, package.where(default)).get("order", ())
+    rank = {name: i for i, name in enumerate(order)} if isinstance(order, list) else {}
+    return sorted(names, key=lambda file: (rank.get(names[file], len(rank)), file != default))
 
 
 @dataclass(frozen=True)
