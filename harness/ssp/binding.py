@@ -34,12 +34,14 @@ class Element:
     """An XML element; `tag` is the one of `TAGS` that it has (the first unless said otherwise).
 
     `more_attributes` and `more` are what the declaration does not name: pairs, and canonical XML.
+    `namespaces` are the prefixes of others that the root element declares.
     """
 
     TAGS: ClassVar[tuple[str, ...]] = ()
     tag: str = ""
     more_attributes: tuple[tuple[str, str], ...] = ()
     more: tuple[str, ...] = ()
+    namespaces: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         """Fill in the tag."""
@@ -122,13 +124,17 @@ def read(kind: type[E], content: bytes, where: str) -> E:
             f"{where}: the root element is {markup.shown(root.tag)}, not {kind.TAGS[0]} "
             f"(of the namespace {markup.NAMESPACES[kind.TAGS[0].partition(':')[0]]})"
         )
-    return _from_xml(kind, root, where, 0)
+    known = set(markup.NAMESPACES.values())
+    others = [(p, uri) for p, uri in sorted(root.nsmap.items(), key=str) if p and uri not in known]
+    others = [(p, uri) for p, uri in others if p not in markup.NAMESPACES]
+    return dataclasses.replace(_from_xml(kind, root, where, 0), namespaces=tuple(others))
 
 
 def write(element: Element) -> bytes:
     """The bytes of a document; raises `ExperimentError` for text that XML cannot hold."""
     used = {tag.partition(":")[0] for tag in _tags(element)}
     nsmap = {p: uri for p, uri in markup.NAMESPACES.items() if p in used}
+    nsmap |= dict(element.namespaces)
     try:
         return markup.serialise(_to_xml(element, nsmap, 0))
     except ValueError as fault:
