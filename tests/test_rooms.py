@@ -20,6 +20,7 @@ FLOORS = (
     "harness.registry",
     "harness.bench",
     "harness.experiment",
+    "harness.ssp",
     "harness.cli",
 )
 

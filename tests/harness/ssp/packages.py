@@ -103,7 +103,7 @@ def described_only(target: Path, block: Block, name: str) -> Path:
     signals = [*((s, "input") for s in block.inputs), *((s, "output") for s in block.outputs)]
     variables = "".join(
         f'<ScalarVariable name="{s.name}" valueReference="{i}" causality="{causality}" '
-        f'{"" if causality == "input" else "initial=" + chr(34) + "exact" + chr(34)}>'
+        f"{'' if causality == 'input' else 'initial=' + chr(34) + 'exact' + chr(34)}>"
         f'<Real start="{s.start!r}"/></ScalarVariable>'
         for i, (s, causality) in enumerate(signals)
     )

@@ -134,7 +134,9 @@ def test_a_changed_fmu_runs_as_it_is(tmp_path: Path) -> None:
             content = old.read(name)
             new.writestr(name, content + (b"\0" if name == "resources/pid.fmu" else b""))
     with (
-        pytest.warns(UserWarning, match="pid runs as an FMU, not in process: its FMU was exchanged"),
+        pytest.warns(
+            UserWarning, match="pid runs as an FMU, not in process: its FMU was exchanged"
+        ),
         open_experiment(changed) as experiment,
     ):
         assert "fmu" in experiment.variant_spec("run").model_dump()["components"]["pid"]
@@ -148,7 +150,10 @@ PYTHON = {"controller": "tests.harness.experiment.loops:Lag", "outputs": ["y"]}
     ("component", "words"),
     [
         (SENSITIVITY, r"loop \(run\) cannot be exported: component more is a sensitivity"),
-        (PYTHON, "component more is plain Python, of which no FMU can be made; write it as a block"),
+        (
+            PYTHON,
+            "component more is plain Python, of which no FMU can be made; write it as a block",
+        ),
     ],
 )
 def test_what_has_no_fmu_says_so(tmp_path: Path, component: Table, words: str) -> None:

@@ -94,7 +94,9 @@ def test_settings(tmp_path: Path, settings: str, words: str) -> None:
         opened(path)
 
 
-def test_the_command_line_says_one_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_the_command_line_says_one_sentence(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     path = tmp_path / "x.ssp"
     path.write_bytes(b"no archive")
     assert run_command_line(["run", str(path)]) == 2

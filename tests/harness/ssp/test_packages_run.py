@@ -56,9 +56,7 @@ def test_rows_are_those_of_the_same_bench(package: Path) -> None:
     bench = Bench(stop_time=0.5, step=0.01)
     bench.fmu("left", oscillator_fmu(2), start_values={"stiffness": 300.0})
     bench.fmu("S_right", oscillator_fmu(2), start_values={"mass": 3.0})
-    bench.connect(
-        "left.position", "S_right.force", factor=-20.0, offset=0.25, convert_units=False
-    )
+    bench.connect("left.position", "S_right.force", factor=-20.0, offset=0.25, convert_units=False)
     expected = bench.run()
     with open_experiment(package) as experiment:
         assert experiment.variants == ("soft", "stiff")
@@ -90,9 +88,10 @@ def test_commands(package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
 def test_what_is_not_stated_is_said(tmp_path: Path) -> None:
     content = two_oscillators("plain", times="").replace("FixedStepMaster", "Other")
     files = {"SystemStructure.ssd": content, "resources/o.fmu": oscillator_fmu(2).read_bytes()}
-    with pytest.warns(UserWarning) as said, open_experiment(
-        archive(tmp_path / "x.ssp", files)
-    ) as experiment:
+    with (
+        pytest.warns(UserWarning) as said,
+        open_experiment(archive(tmp_path / "x.ssp", files)) as experiment,
+    ):
         spec = experiment.spec
     texts = " | ".join(str(one.message) for one in said)
     assert "states no stop time" in texts and "states no step" in texts

@@ -5,7 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.harness.ssp.packages import NAMESPACES, UNITS, Read, component, connector, folder, ssd, wire
+from tests.harness.ssp.packages import (
+    NAMESPACES,
+    UNITS,
+    Read,
+    component,
+    connector,
+    folder,
+    ssd,
+    wire,
+)
 
 REAL_MM = '<ssc:Real unit="mm"/>'
 
