@@ -16,7 +16,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 from lxml import etree
@@ -141,7 +140,6 @@ def write(element: Element) -> bytes:
         raise ExperimentError(f"{element.tag} cannot be written as XML: {fault}") from fault
 
 
-@cache
 def _specs(kind: Any) -> tuple[tuple[str, Any], ...]:
     """Field names with their specs, in order."""
     return tuple((f.name, f.metadata[_XML]) for f in dataclasses.fields(kind) if _XML in f.metadata)

@@ -40,18 +40,22 @@ def test_systems_in_systems_rename_what_passes(tmp_path: Path) -> None:
 
 
 def test_a_dictionary_of_an_outer_system_carries_a_signal(tmp_path: Path) -> None:
-    reference = "<ssd:SignalDictionaryReference name='bus' dictionary='D'><ssd:Connectors>{}</ssd:Connectors></ssd:SignalDictionaryReference>"
+    reference = (
+        "<ssd:SignalDictionaryReference name='bus' dictionary='D'><ssd:Connectors>"
+        + connector("speed", "inout")
+        + "</ssd:Connectors></ssd:SignalDictionaryReference>"
+    )
     inner = (
-        f"<ssd:System name='S'><ssd:Elements>{component('a', Y)}"
-        + reference.format(connector("speed", "inout"))
-        + f"</ssd:Elements><ssd:Connections>{wire('a.y', 'bus.speed')}</ssd:Connections></ssd:System>"
+        f"<ssd:System name='S'><ssd:Elements>{component('a', Y)}{reference}</ssd:Elements>"
+        f"<ssd:Connections>{wire('a.y', 'bus.speed')}</ssd:Connections></ssd:System>"
     )
     dictionary = (
-        "<ssd:SignalDictionaries><ssd:SignalDictionary name='D'><ssb:SignalDictionary version='1.0'>"
-        "<ssb:DictionaryEntry name='speed'><ssc:Real/></ssb:DictionaryEntry>"
+        "<ssd:SignalDictionaries><ssd:SignalDictionary name='D'>"
+        "<ssb:SignalDictionary version='1.0'><ssb:DictionaryEntry name='speed'>"
+        "<ssc:Real/></ssb:DictionaryEntry>"
         "</ssb:SignalDictionary></ssd:SignalDictionary></ssd:SignalDictionaries>"
     )
-    elements = inner + component("b", U) + reference.format(connector("speed", "inout"))
+    elements = inner + component("b", U) + reference
     found = read(tmp_path, elements, wire("bus.speed", "b.u"), more=dictionary)
     assert found.paths() == {"b.u": "S.a.y"}
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from harness.ssp import binding
+from harness.ssp import binding, markup
 from harness.ssp.common import (
     KINDS,
     Annotation,
@@ -43,8 +43,8 @@ ANNOTATIONS = st.lists(
     st.builds(Annotation, type=NAMES, text=NAMES.map(str.strip), more=st.tuples(KEPT)), max_size=2
 ).map(tuple)
 GEOMETRY = st.sampled_from(
-    [(), ('<ssd:ElementGeometry xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription" '
-          'x1="0" x2="1.50" y1="0" y2="1"></ssd:ElementGeometry>',)]
+    [(), (f'<ssd:ElementGeometry xmlns:ssd="{markup.NAMESPACES["ssd"]}" x1="0" x2="1.50" y1="0" '
+          'y2="1"></ssd:ElementGeometry>',)]
 )  # fmt: skip
 TRANSFORMATIONS = st.one_of(
     st.none(),

@@ -60,7 +60,7 @@ def test_sources(tmp_path: Path, source: str, words: str) -> None:
 @pytest.mark.parametrize("member", ["../evil.ssd", "/evil.ssd"])
 def test_archives(tmp_path: Path, member: str) -> None:
     files = {"SystemStructure.ssd": ssd(""), member: "x"}
-    with pytest.raises(ExperimentError, match="SSP .* leaves its folder"):
+    with pytest.raises(ExperimentError, match=r"SSP .* leaves its folder"):
         opened(archive(tmp_path / "x.ssp", files))
     with pytest.raises(ExperimentError, match=r"has no SystemStructure\.ssd at its root"):
         opened(archive(tmp_path / "y.ssp", {"x/SystemStructure.ssd": ssd("")}))
@@ -70,7 +70,7 @@ def test_systems_that_contain_themselves(tmp_path: Path) -> None:
     one = "<ssd:Component name='{}' source='#me'/>"
     twice = f"<ssd:Elements>{one.format('a')}{one.format('b')}</ssd:Elements>"
     content = ssd(twice).replace('name="root"', 'name="root" id="me"')
-    with pytest.raises(ExperimentError, match="nested deeper than|more than 100000 elements"):
+    with pytest.raises(ExperimentError, match=r"nested deeper than|more than 100000 elements"):
         Read(folder(tmp_path, {"SystemStructure.ssd": content}))
 
 

@@ -36,7 +36,8 @@ def two_oscillators(name: str, stiffness: float = 80.0, times: str = 'stopTime="
     )
     step = (
         "<ssd:Annotations><ssc:Annotation type='org.openmodelica'><o:Annotations xmlns:o='urn:o'>"
-        "<o:FixedStepMaster stepSize='0.010000'/></o:Annotations></ssc:Annotation></ssd:Annotations>"
+        "<o:FixedStepMaster stepSize='0.010000'/></o:Annotations></ssc:Annotation>"
+        "</ssd:Annotations>"
     )
     return ssd(whole, f"<ssd:DefaultExperiment {times}>{step}</ssd:DefaultExperiment>", name=name)
 

@@ -66,7 +66,8 @@ def test_units_first_then_the_transformation(
 def test_connectors_renamed_at_boundaries_leave_no_trace_of_rounding(tmp_path: Path) -> None:
     tenth = '<ssc:LinearTransformation factor="0.1" offset="0.1"/>'
     inner = (
-        f"<ssd:System name='S'><ssd:Connectors>{connector('in', 'input', real('mm'))}</ssd:Connectors>"
+        f"<ssd:System name='S'><ssd:Connectors>{connector('in', 'input', real('mm'))}"
+        "</ssd:Connectors>"
         f"<ssd:Elements>{component('b', connector('u', 'input', real('m')))}</ssd:Elements>"
         f"<ssd:Connections>{wire('in', 'b.u', tenth)}</ssd:Connections></ssd:System>"
     )
