@@ -74,7 +74,7 @@ def test_settings_and_rows_are_the_same(tmp_path: Path, fmi_version: int) -> Non
     variants: Table = {
         "soft": {"label": "soft one"},
         "hard": {"components": {"pid": {"parameters": {"kp": 9.0}}}},
-        "alone": {"connections": {"plant.force": {"delay": 0.0}}},
+        "alone": {"connections": {"plant.force": {"delay": 0.0, "convert_units": False}}},
     }
     original, path = exported(loop(fmi_version, variants=variants), tmp_path)
     with open_experiment(path) as again:

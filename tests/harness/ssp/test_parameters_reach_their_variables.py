@@ -16,7 +16,7 @@ from tests.harness.ssp.packages import (
     wire,
 )
 
-REAL_MM = '<ssc:Real unit="mm"/>'
+REAL_MM, REAL_M = '<ssc:Real unit="mm"/>', '<ssc:Real unit="m"/>'
 
 
 def values(*pairs: tuple[str, str]) -> str:
@@ -53,7 +53,7 @@ def nested(of_system: str, of_component: str) -> str:
     return (
         "<ssd:Elements><ssd:System name='S'>"
         f"<ssd:Connectors>{connector('x', 'input', REAL_MM)}</ssd:Connectors>{of_system}"
-        f"<ssd:Elements>{component('b', connector('u', 'input', REAL_MM), of_component)}"
+        f"<ssd:Elements>{component('b', connector('u', 'input', REAL_M), of_component)}"
         "</ssd:Elements><ssd:Connections>"
         + wire("x", "b.u", '<ssc:LinearTransformation factor="2" offset="1"/>')
         + "</ssd:Connections></ssd:System></ssd:Elements>"
@@ -71,7 +71,7 @@ def test_higher_levels_win_then_later_ones(tmp_path: Path) -> None:
 
 def test_a_connectors_value_goes_on_with_units_and_transformations(tmp_path: Path) -> None:
     given = bindings(binding(values(("S.x", real(0.25, "m")))))
-    assert starts(tmp_path, given + nested("", "")) == {"S.b": {"u": 2 * 250.0 + 1}}
+    assert starts(tmp_path, given + nested("", "")) == {"S.b": {"u": 2 * 0.25 + 1}}
 
 
 @pytest.mark.parametrize(
