@@ -35,7 +35,7 @@ from harness.ssp.document import (
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import annotation, osp_step, safe_name
-from harness.ssp.to_experiment import REPORT, sha256
+from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, sha256
 from harness.system import graph
 from harness.system.block import Block
 
@@ -203,7 +203,7 @@ class _Exporter:
         bindings: tuple[ParameterBinding, ...] = ()
         if isinstance(c, graph.FmuComponent):
             bindings = start_value_binding(c.name, c.start_values, description, version)
-            own = {k: given[k] for k in ("step", "tolerance") if given.get(k) is not None}
+            own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
         else:
             own = {**given, "fmu_sha256": sha256(source)}
             parameters = given.get("parameters", {})
@@ -224,8 +224,8 @@ class _Exporter:
         )
 
     def _connection(self, wire: graph.Connection, spec: ExperimentSpec) -> Connection:
-        given = spec.connections[str(wire.target)].model_dump(by_alias=True, exclude_unset=True)
-        own = {k: given[k] for k in ("delay", "imperfections") if given.get(k)}
+        given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
+        own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
         if own:
             self._say(f"the {' and '.join(own)} on {wire.source} -> {wire.target} are in an "
                       "annotation of ours only")  # fmt: skip

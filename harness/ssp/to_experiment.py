@@ -19,7 +19,13 @@ from warnings import warn
 
 from harness.errors import ExperimentError, UnitError
 from harness.experiment.experiment import Experiment, merge
-from harness.experiment.schema import ExperimentSpec
+from harness.experiment.schema import (
+    ConnectionSpec,
+    ControllerSpec,
+    ExperimentSpec,
+    FmuSpec,
+    SignalSpec,
+)
 from harness.fmi.fmu import Fmu
 from harness.fmi.model_description import ModelDescription
 from harness.ssp.change import as_float
@@ -43,11 +49,17 @@ TOP_SETTINGS = (
       if f not in ("components", "connections", "variants", "extends", "stop_time", "start_time")),
     "label", "report", "order",
 )  # fmt: skip
-_COMPONENT = (
-    "step", "tolerance", "controller", "sample_time", "phase", "outputs", "signal", "parameters",
-    "fmu_sha256",
+FMU_SETTINGS = tuple(f for f in FmuSpec.model_fields if f not in ("fmu", "start_values"))
+WIRE_SETTINGS = tuple(
+    f for f in ConnectionSpec.model_fields
+    if f not in ("source", "factor", "offset", "convert_units")
 )  # fmt: skip
-_WIRE = ("delay", "imperfections")
+"""What SSP has no words for, of FMUs and of connections."""
+
+_COMPONENT = (
+    *dict.fromkeys((*FMU_SETTINGS, *ControllerSpec.model_fields, *SignalSpec.model_fields)),
+    "fmu_sha256",
+)
 
 
 @contextmanager
@@ -161,7 +173,7 @@ class _Importer:
             )
         stands_for = next((k for k in ("controller", "signal") if k in own), None)
         if stands_for is None or not self.in_process:
-            kept: Table = {k: own[k] for k in ("step", "tolerance") if k in own}
+            kept: Table = {k: own[k] for k in FMU_SETTINGS if k in own}
             if stands_for is not None and "sample_time" in own:
                 kept["step"] = own["sample_time"]
             return self._fmu(node, starts, kept)
@@ -186,7 +198,7 @@ class _Importer:
         made: Table = {"from": f"{names[wire.source.path]}.{wire.source.name}"}
         own: Table = {}
         for edge in wire.edges:
-            given = settings_of(edge.connection.annotations, _WIRE, edge.place)
+            given = settings_of(edge.connection.annotations, WIRE_SETTINGS, edge.place)
             if given and own:
                 raise ExperimentError(f"{edge.place}: delays or imperfections in two places")
             own |= given

@@ -134,7 +134,8 @@ FOREIGN = f"""<ssd:SystemStructureDescription {NAMESPACES} xmlns:t="urn:tool" ve
     <ssd:GraphicalElements><ssd:Note x1="0" y1="0" x2="1" y2="1" text="two&#10;lines"/>
     </ssd:GraphicalElements>
     <ssd:Annotations><ssc:Annotation type="org.tool" xmlns:q="urn:q"><t:deep
-      xmlns:xsi="urn:xsi" xsi:type="q:kind"> text <t:er/> tail </t:deep></ssc:Annotation></ssd:Annotations>
+      xmlns:xsi="urn:xsi" xsi:type="q:kind"> text <t:er/> tail </t:deep></ssc:Annotation>
+    </ssd:Annotations>
   </ssd:System>
   <ssd:DefaultExperiment stopTime="1.5"/>
 </ssd:SystemStructureDescription>"""
