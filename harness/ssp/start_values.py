@@ -2,8 +2,8 @@
 
 A binding gives the values of a parameter set to the element that holds it: by the names of an
 FMU's variables, or by the hierarchical names of all that is in a system. A value given to a
-connector of a system goes on along its connections, with their units and transformations. Of
-several values the one bound at the higher level counts, at one level the later one. Values that
+connector of a system goes on along its connections, with their units and transformations, and
+counts more than what is bound to the other end. Of several values the one bound at the higher level counts, at one level the later one. Values that
 fit no name are ignored, as the standard says, and said so.
 """
 
@@ -97,19 +97,23 @@ def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node
 
 
 def _propagate(bound: Bound, wires: tuple[FlatWire, ...], ports: Ports) -> None:
-    """Values of connectors that nothing drives go to the FMUs' inputs and parameters behind."""
+    """Values of connectors that nothing drives go to the FMUs' inputs and parameters behind.
+
+    What is connected takes the value of its connection, whatever is bound to it besides.
+    """
     for wire in wires:
-        if wire.driven:
-            continue
-        for index, edge in enumerate(wire.edges):
+        for index, edge in enumerate(() if wire.driven else wire.edges):
             given, own = bound.get(edge.source), bound.get(wire.target)
-            if given is None or (own is not None and own.rank > given.rank):
+            if given is None:
                 continue
+            if own is not None:
+                warn(f"{own.place} is not used: {edge.place} gives the value", stacklevel=2)
             change = change_along(wire.edges[index:], ports, given.value.unit)
             try:
                 bound[wire.target] = replace(given, value=given.value.changed(change))
             except HarnessError as fault:
                 raise ExperimentError(f"{given.place}: {fault}") from fault
+            break
 
 
 def _start_value(end: Node, given: _Bound, ports: Ports) -> Any:

@@ -74,6 +74,12 @@ def test_a_connectors_value_goes_on_with_units_and_transformations(tmp_path: Pat
     assert starts(tmp_path, given + nested("", "")) == {"S.b": {"u": 2 * 0.25 + 1}}
 
 
+def test_a_connection_gives_the_value_whatever_else_is_bound(tmp_path: Path) -> None:
+    given = bindings(binding(values(("S.x", real(0.25, "m")), ("S.b.u", real(7)))))
+    with pytest.warns(UserWarning, match=r"S\.b\.u is not used: .*connection x – b\.u"):
+        assert starts(tmp_path, given + nested("", "")) == {"S.b": {"u": 2 * 0.25 + 1}}
+
+
 @pytest.mark.parametrize(
     ("attributes", "expected"),
     [("", 2 * 3000.0 + 1), ('suppressUnitConversion="true"', 2 * 3.0 + 1)],
