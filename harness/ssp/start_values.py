@@ -3,8 +3,9 @@
 A binding gives the values of a parameter set to the element that holds it: by the names of an
 FMU's variables, or by the hierarchical names of all that is in a system. A value given to a
 connector of a system goes on along its connections, with their units and transformations, and
-counts more than what is bound to the other end. Of several values the one bound at the higher level counts, at one level the later one. Values that
-fit no name are ignored, as the standard says, and said so.
+counts more than what is bound to the other end. Else, of several values the one bound at the
+higher level counts, at one level the later one. Values that fit no name are ignored, as the
+standard says, and said so.
 """
 
 from __future__ import annotations

@@ -178,10 +178,11 @@ class _Importer:
                 kept["step"] = own["sample_time"]
             return self._fmu(node, starts, kept)
         changed = digest is not None and digest != sha256(node.source)
-        if changed or node.element.bindings:
+        if changed or starts:
             what = "its FMU was exchanged" if changed else "it has parameters of its own"
             warn(f"{place} runs as an FMU, not in process: {what}", stacklevel=2)
-            return self._fmu(node, starts, {})
+            step = {"step": own["sample_time"]} if "sample_time" in own else {}
+            return self._fmu(node, starts, step)
         parameters = own.get("parameters")
         if stands_for == "signal" and isinstance(parameters, dict) and "file" in parameters:
             file = self.package.resolve(str(parameters["file"]), place)
