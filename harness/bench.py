@@ -25,20 +25,18 @@ from typing import Any
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import ExperimentError, HarnessError, UsageError, nearest
-from harness.execution.run import Progress, columns_of, execute, opened, plan_system
-from harness.fmi.logger import LogMessage
+from harness.execution.prepared import Echo, PreparedSystem
+from harness.execution.run import Progress
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
-from harness.results.columns import Column
-from harness.results.manifest import FmuRecord, Manifest
-from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.block import Block, Port
 from harness.system.graph import (
     BlockComponent,
     Component,
     Connection,
+    Convergence,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -47,7 +45,7 @@ from harness.system.graph import (
     System,
 )
 
-Echo = Callable[[str, LogMessage], None]
+__all__ = ["Bench", "Echo", "Progress"]
 
 
 class Bench:
@@ -55,7 +53,9 @@ class Bench:
 
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
-    "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
+    "jacobi", "gauss-seidel" or "iterative"; `algebraic_loops` between them are refused or solved
+    ("refuse", "solve"), and what is repeated has converged to `coupling_tolerance` (relative)
+    within `max_iterations`. `seed` seeds all noise. `fmi_version` is that of the FMUs built
     from plants, `portable` asks for their Python packaging. `controllers` are the controller
     objects by component name.
     """
@@ -69,6 +69,9 @@ class Bench:
         record_step: float | None = None,
         record: Sequence[str] = ("*",),
         algorithm: str = "jacobi",
+        algebraic_loops: str = "refuse",
+        coupling_tolerance: float = 1e-6,
+        max_iterations: int = 50,
         seed: int = 0,
         fmi_version: int = 3,
         portable: bool = False,
@@ -80,6 +83,8 @@ class Bench:
         self.record_ns = self._period(record_step, "record_step")
         self.record = tuple(record)
         self.algorithm = algorithm
+        self.algebraic_loops = algebraic_loops
+        self.convergence = Convergence(coupling_tolerance, max_iterations)
         self.seed = seed
         self.fmi_version = fmi_version
         self.portable = portable
@@ -183,18 +188,21 @@ class Bench:
         target: str,
         *,
         delay: float = 0.0,
+        extrapolation: int = 0,
         imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
         factor: float = 1.0,
         offset: float = 0.0,
         convert_units: bool = True,
         **named: Mapping[str, Any],
     ) -> None:
-        """A wire from `component.output` to `component.input`.
+        """A wire from `component.output` to `component.input`; arrays of equal dimensions whole, or
+        an element of one, as in "plant.pressure[2]".
 
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
         those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. What arrives
         is `factor` · value + `offset`, the value being converted to the target's unit first
-        unless `convert_units` is off.
+        unless `convert_units` is off. From FMU to FMU, `extrapolation=1` takes the value to change
+        linearly during a step instead of holding it.
         """
         with _named(f"connection {source} -> {target}"):
             put = [_imperfection(one) for one in imperfections]
@@ -206,6 +214,7 @@ class Bench:
                 self._endpoint(target),
                 to_nanoseconds(delay, label),
                 tuple(put),
+                extrapolation,
                 factor,
                 offset,
                 convert_units,
@@ -224,6 +233,8 @@ class Bench:
             self.record_ns,
             self.algorithm,
             self.seed,
+            self.algebraic_loops,
+            self.convergence,
         )
 
     def run(
@@ -241,10 +252,14 @@ class Bench:
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
         """
-        return run_system(
-            self.system(), folder, record=self.record, progress=progress, echo=echo,
-            experiment=experiment, needed=needed,
-        )  # fmt: skip
+        with self.prepare() as prepared:
+            return prepared.run(
+                folder, progress=progress, echo=echo, experiment=experiment, needed=needed
+            )
+
+    def prepare(self) -> PreparedSystem:
+        """The system with its FMUs open and planned, for many runs; use as a context manager."""
+        return PreparedSystem(self.system(), self.record)
 
     def _add(self, component: Component) -> None:
         if component.name in self._components:
@@ -267,36 +282,6 @@ class Bench:
         return Endpoint(component, variable)
 
 
-def run_system(
-    system: System,
-    folder: str | Path | None = None,
-    *,
-    record: Sequence[str] = ("*",),
-    progress: Progress | None = None,
-    echo: Echo | None = None,
-    experiment: Mapping[str, Any] | None = None,
-    needed: Iterable[str] = (),
-) -> Result:
-    """Check, plan and run a system; see `Bench.run`."""
-    with opened(system) as fmus:
-        plan = plan_system(system, fmus, tuple(record))
-        columns = columns_of(plan, fmus)
-        _check_needed(needed, columns)
-        manifest = Manifest(
-            fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
-            seeds={"seed": system.seed},
-            experiment=dict(experiment or {}),
-        )
-        recording = Recording(columns, None if folder is None else Path(folder), manifest)
-        with recording:
-            outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
-            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
-    if outcome.fault is not None:
-        outcome.fault.result = result
-        raise outcome.fault
-    return result
-
-
 @contextmanager
 def _named(place: str) -> Iterator[None]:
     """Faults in the parameters of what stands at `place` say so."""
@@ -304,15 +289,6 @@ def _named(place: str) -> Iterator[None]:
         yield
     except ExperimentError as fault:
         raise ExperimentError(f"{place}: {fault}") from fault
-
-
-def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
-    names = [column.name for column in columns]
-    for name in needed:
-        if name not in names:
-            raise UsageError(
-                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
-            )
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:

@@ -1,9 +1,10 @@
 """From a block's step function to the address of a C function.
 
 A step function is plain Python. Here it and every plain Python function that it names are rebuilt
-as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, double *y)`, with
-the array lengths fixed. The machine code is cached on disk under a fingerprint of all that code,
-so a change in a helper of another module is noticed, which numba's own cache does not.
+as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, double *y, const
+int64 *sizes)`; one code serves blocks of all sizes. The machine code is cached on disk under a
+fingerprint of all that code, so a change in a helper of another module is noticed, which numba's
+own cache does not.
 
 Every rebuilt function bears the fingerprint of its step in its name. Code from the cache shares
 one space of symbols with all other code of the process, and of two equal symbols the first wins:
@@ -14,78 +15,92 @@ It refuses step functions that raise: a block reports that it cannot go on by wr
 
 from __future__ import annotations
 
+import ctypes
 import dis
 import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 from numba import carray, cfunc, njit, types
 from numba.core.errors import NumbaError
+from numpy.typing import NDArray
 
 from harness.errors import HarnessError
-from harness.system.block import Block, StepFunction
+from harness.execution import operations as op
+from harness.system.block import Array, Block, StepFunction
 
 _POINTER = types.CPointer(types.float64)
-_SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
+_SIGNATURE = types.int32(*[_POINTER] * 4, types.CPointer(types.int64))
 _SCALARS = (bool, int, float, np.integer, np.floating)
 _MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
+
+_C_POINTER, _C_SIZES = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int64)
 
 
 class CompileError(HarnessError):
     """A step function that cannot be compiled."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CompiledStep:
-    """A compiled step function: its C address, and the object that keeps the code alive."""
+    """A compiled step function for one block: the `address` of its C function, the `sizes` that
+    it takes, (4,) for p, x, u, y; and the object that keeps the code alive."""
 
     address: int
+    sizes: NDArray[np.int64]
     keep: Any
 
+    def operation(self, p: int, x: int, u: int, y: int) -> list[int]:
+        """The row of a program that calls it on the arrays at these addresses."""
+        return [op.CALL_5, self.address, p, x, u, y, self.sizes.ctypes.data]
 
-def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _compile
-    arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
+    def __call__(self, p: Array, x: Array, u: Array, y: Array) -> None:
+        """Call it as the step function that it was; arrays as long as those of the block."""
+        self.keep.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
+                         self.sizes.ctypes.data_as(_C_SIZES))  # fmt: skip
+
+
+def _entry(p: Any, x: Any, u: Any, y: Any, sizes: Any) -> Any:  # `step` is bound by _compile
+    n = carray(sizes, (4,))
+    arrays = carray(p, (n[0],)), carray(x, (n[1],)), carray(u, (n[2],)), carray(y, (n[3],))
     step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
 
 
 def compile_step(block: Block) -> CompiledStep:
-    """Compile `block.step` for the array lengths of `block`, or fetch it from the cache.
+    """Compile `block.step`, or fetch it from the cache.
 
     Raises `CompileError` naming the function and the reason.
     """
-    sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
+    lengths = map(len, (block.parameters, block.state, block.inputs, block.outputs))
     function = _plain(block.step)
-    digest = hashlib.sha256(repr(sizes).encode())
+    digest = hashlib.sha256()
     _fingerprint(function, (), {}, digest)
     name = f"step_{digest.hexdigest()[:24]}"
     if name not in _compiled:
-        _compiled[name] = _compile(function, sizes, name)
-    return _compiled[name]
+        _compiled[name] = _compile(function, name)
+    code = _compiled[name]
+    return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
 
 
-_compiled: dict[str, CompiledStep] = {}
+_compiled: dict[str, Any] = {}
 
 
-def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
-    scope = {
-        **globals(),
-        "step": _rebuild(function, name, {}),
-        **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
-    }
+def _compile(function: FunctionType, name: str) -> Any:
+    scope = {**globals(), "step": _rebuild(function, name, {})}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
-        compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
+        return cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
             f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
             "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
-    return CompiledStep(compiled.address, compiled)
 
 
 def _plain(function: Any) -> FunctionType:
@@ -101,7 +116,24 @@ def _is_function(value: Any) -> bool:
 
 
 def _named(function: FunctionType) -> dict[str, Any]:
-    """The global values that a function names, in itself or in functions inside it."""
+    """The global values that a function names now, in itself or in functions inside it."""
+    known = function.__globals__
+    return {name: known[name] for name in _read(function.__code__).names if name in known}
+
+
+@dataclass(frozen=True)
+class _CodeFacts:
+    """What never changes about a code object: the names that it uses, in itself or in functions
+    inside it; whether it raises; the digest of its instructions and constants."""
+
+    names: tuple[str, ...]
+    raises: bool
+    digest: bytes
+
+
+@cache
+def _read(code: CodeType) -> _CodeFacts:
+    """Read once: taking instructions apart takes longer than many a run."""
 
     def names(code: CodeType) -> Iterator[str]:
         yield from code.co_names
@@ -109,8 +141,10 @@ def _named(function: FunctionType) -> dict[str, Any]:
             if isinstance(constant, CodeType):
                 yield from names(constant)
 
-    known = function.__globals__
-    return {name: known[name] for name in names(function.__code__) if name in known}
+    digest = hashlib.sha256()
+    _feed(digest, code)
+    raises = any(one.opname == "RAISE_VARARGS" for one in dis.get_instructions(code))
+    return _CodeFacts(tuple(dict.fromkeys(names(code))), raises, digest.digest())
 
 
 def _fingerprint(
@@ -127,7 +161,7 @@ def _fingerprint(
     if known:
         return
     _refuse(function)
-    _feed(digest, function.__code__)
+    digest.update(_read(function.__code__).digest)
     digest.update(repr((function.__defaults__, function.__kwdefaults__)).encode())
     for name, value in _named(function).items():
         digest.update(f"{name}={_identity(function, name, value)};".encode())
@@ -177,13 +211,12 @@ def _refuse(function: FunctionType) -> None:
             f"step function {_label(function)} uses variables of an enclosing function; pass them "
             "through the block's parameters"
         )
-    for instruction in dis.get_instructions(function):
-        if instruction.opname == "RAISE_VARARGS":
-            line = function.__code__.co_firstlineno
-            raise CompileError(
-                f"step function {_label(function)} (line {line}) raises an exception, which "
-                "compiled code cannot carry to the caller; write NaN to the outputs instead"
-            )
+    if _read(function.__code__).raises:
+        line = function.__code__.co_firstlineno
+        raise CompileError(
+            f"step function {_label(function)} (line {line}) raises an exception, which "
+            "compiled code cannot carry to the caller; write NaN to the outputs instead"
+        )
 
 
 def _feed(digest: Any, code: CodeType) -> None:

@@ -6,13 +6,15 @@ import copy
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import ValidationError
 
-from harness.bench import Bench, Echo
+from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, nearest
+from harness.execution.prepared import Echo, PreparedSystem, StartValues
 from harness.execution.run import Progress
 from harness.experiment.faults import describe
 from harness.experiment.measures import custom, needed_signals, tracking
@@ -53,6 +55,17 @@ class Experiment:
             experiment.variant_spec(name)
         experiment._check_names()
         return experiment
+
+    def fast(self) -> Self:
+        """The fast subset: fewer seeds and a coarser grid, as `[study.fast]` and `[sweep.fast]`
+        say. Enough to see that all of it works, not to decide anything."""
+        study, sweep = self.spec.study, self.spec.sweep
+        settings: Table = {}
+        if study is not None and study.fast is not None:
+            settings["study"] = {"seeds": study.fast.seeds}
+        if sweep is not None and sweep.fast is not None:
+            settings["sweep"] = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
+        return self.from_data(merge(self.data, settings), self.path) if settings else self
 
     @property
     def name(self) -> str:
@@ -101,6 +114,8 @@ class Experiment:
         bench = Bench(
             stop_time=spec.stop_time, step=spec.step, start_time=spec.start_time,
             record_step=spec.record_step, record=spec.record, algorithm=spec.algorithm,
+            algebraic_loops=spec.algebraic_loops, coupling_tolerance=spec.coupling_tolerance,
+            max_iterations=spec.max_iterations,
             seed=spec.seed if seed is None else seed, fmi_version=spec.fmi_version,
             portable=spec.portable,
         )  # fmt: skip
@@ -126,8 +141,9 @@ class Experiment:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
         for target, wire in spec.connections.items():
             bench.connect(
-                wire.source, target, delay=wire.delay, imperfections=wire.imperfections,
-                factor=wire.factor, offset=wire.offset, convert_units=wire.convert_units,
+                wire.source, target, delay=wire.delay, extrapolation=wire.extrapolation,
+                imperfections=wire.imperfections, factor=wire.factor, offset=wire.offset,
+                convert_units=wire.convert_units,
             )  # fmt: skip
 
     def _with_paths(self, parameters: Table) -> Table:
@@ -157,19 +173,12 @@ class Experiment:
         echo: Echo | None = None,
     ) -> Result:
         """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does."""
-        spec = self.variant_spec(variant)
-        bench = self.bench(variant, seed=seed)
-        resolved = spec.model_dump(mode="json", by_alias=True) | {"variant": variant}
-        try:
-            result = bench.run(
-                folder, progress=progress, echo=echo, experiment=resolved,
-                needed=needed_signals(spec),
-            )  # fmt: skip
-        except HarnessError as fault:
-            if fault.result is not None:
-                fault.result = self.measured(fault.result, spec)
-            raise
-        return self.measured(result, spec)
+        with self.prepare(variant) as prepared:
+            return prepared.run(folder, seed=seed, progress=progress, echo=echo)
+
+    def prepare(self, variant: str) -> PreparedVariant:
+        """A variant ready for many runs; use as a context manager."""
+        return PreparedVariant(self, variant)
 
     def measured(self, result: Result, spec: ExperimentSpec) -> Result:
         """`result` with the metrics that `measure` and `metrics` ask for."""
@@ -178,6 +187,69 @@ class Experiment:
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
         return result.with_metrics(found)
+
+
+class PreparedVariant:
+    """A variant of an experiment, put together once and run with other seeds and start values.
+
+    Each run gives the bits that a fresh `Experiment.run` gives. A context manager.
+    """
+
+    def __init__(self, experiment: Experiment, variant: str) -> None:
+        """Nothing is opened before the first run. Raises `ExperimentError`."""
+        self._experiment = experiment
+        self._variant = variant
+        self._spec = experiment.variant_spec(variant)
+        self._needed = tuple(needed_signals(self._spec))
+        self._system: PreparedSystem | None = None
+
+    def run(
+        self,
+        folder: str | Path | None = None,
+        *,
+        seed: int | None = None,
+        start_values: StartValues | None = None,
+        progress: Progress | None = None,
+        echo: Echo | None = None,
+    ) -> Result:
+        """As `Experiment.run`, with `start_values` of FMUs besides those of the file."""
+        system = self._system or self._experiment.bench(self._variant).prepare()
+        self._system = system
+        try:
+            result = system.run(
+                folder, seed=seed, start_values=start_values, progress=progress, echo=echo,
+                experiment=self._resolved(start_values or {}), needed=self._needed,
+            )  # fmt: skip
+        except HarnessError as fault:
+            self.close()  # an FMU that failed may have taken its library with it
+            if fault.result is not None:
+                fault.result = self._experiment.measured(fault.result, self._spec)
+            raise
+        if not system.repeatable:
+            self.close()
+        return self._experiment.measured(result, self._spec)
+
+    def close(self) -> None:
+        """Close the FMUs; the next run opens them again."""
+        if self._system is not None:
+            self._system.close()
+            self._system = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _resolved(self, start_values: StartValues) -> Table:
+        """The experiment as it is run, for the manifest."""
+        resolved = self._dumped | {"variant": self._variant}
+        changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
+        return merge(resolved, {"components": changed}) if changed else resolved
+
+    @cached_property
+    def _dumped(self) -> Table:
+        return self._spec.model_dump(mode="json", by_alias=True)
 
 
 def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:

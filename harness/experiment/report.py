@@ -17,6 +17,7 @@ from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures, signals_plot
 from harness.results.result import Result
 from harness.results.step_response import metric_units
+from harness.results.surface_plot import surfaces_plot
 
 Results = Mapping[str, Result]
 
@@ -99,8 +100,9 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
         m = spec.measure
         drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
     elif not spec.plots:
-        for name, result in labelled.items():
-            drawn[name] = signals_plot(result, result.names, title=f"{title}: {name}")
+        for name, result in results.items():  # a label would make a poor file name
+            text = f"{title}\n{experiment.label(name)}"
+            drawn[name] = signals_plot(result, result.names, title=text)
     for name, plot in spec.plots.items():
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results
@@ -109,7 +111,10 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
             drawn |= _membership(experiment, results, name, plot)
             continue
         signals = [s for s in plot.signals if any(s in result for result in chosen.values())]
-        if signals:
+        if signals and plot.over is not None:
+            first = next(iter(chosen.values()))
+            drawn[name] = surfaces_plot(first, plot.over, signals, title=plot.title or title)
+        elif signals:
             drawn[name] = gains_plot(chosen, signals, title=plot.title or title)
     return drawn
 

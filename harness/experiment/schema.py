@@ -77,11 +77,13 @@ ComponentSpec = Annotated[
 
 class ConnectionSpec(Strict):
     """What comes into an input: `from` a port, put on the wire `imperfections` (tables with a
-    `kind`), then a `delay` in seconds. It arrives as `factor` · value + `offset`, after the
-    conversion of units unless `convert_units` is off. A plain string is the port alone."""
+    `kind`), then a `delay` in seconds; `extrapolation` 1 from FMU to FMU. It arrives as `factor` ·
+    value + `offset`, after the conversion of units unless `convert_units` is off. A plain string
+    is the port alone."""
 
     source: str = Field(alias="from")
     delay: float = 0.0
+    extrapolation: Literal[0, 1] = 0
     imperfections: tuple[dict[str, Any], ...] = ()
     factor: float = 1.0
     offset: float = 0.0
@@ -150,36 +152,55 @@ class AxisSpec(Strict):
         return tuple(self.first + i * step for i in range(self.count))
 
 
+class FastSweepSpec(Strict):
+    """The coarser grid of the fast subset: the counts of both axes."""
+
+    x: int = Field(ge=2)
+    y: int = Field(ge=2)
+
+
 class SweepSpec(Strict):
     """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
     is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
-    own, the same for all variants; else one realisation decides the whole picture."""
+    own, the same for all variants; else one realisation decides the whole picture. `fast` is the
+    grid of the fast subset; without it that has the whole grid."""
 
     outcome: str
     below: float
     own_seeds: bool = False
     x: AxisSpec
     y: AxisSpec
+    fast: FastSweepSpec | None = None
 
 
 class PlotSpec(Strict):
-    """One picture: `signals` over time, of all variants, in one panel a signal; or the
-    `membership` functions of a controller before and after the run, of the first variant."""
+    """One picture: `signals` over time, of all variants, in one panel a signal; with `over`, as
+    surfaces over two other signals; or the `membership` functions of a controller before and after
+    the run. The latter two are drawn of the first variant."""
 
     signals: tuple[str, ...] = ()
+    over: tuple[str, str] | None = None
     membership: str | None = None
     title: str = ""
     variants: tuple[str, ...] = ()
 
 
+class FastStudySpec(Strict):
+    """How many seeds the fast subset has."""
+
+    seeds: int = Field(ge=2)
+
+
 class StudySpec(Strict):
     """Repetition over seeds: `seeds` runs from the experiment's seed on; differences of
-    `metrics` are taken against the variant `baseline`."""
+    `metrics` are taken against the variant `baseline`. `fast` says how many seeds the fast subset
+    has; without it that has all."""
 
     seeds: int = Field(ge=2)
     baseline: str
     metrics: tuple[str, ...] = ("steady_state_rms", "iae", "actuator_travel")
     confidence: float = Field(default=0.95, gt=0.0, lt=1.0)
+    fast: FastStudySpec | None = None
 
 
 class ExperimentSpec(Strict):
@@ -193,7 +214,10 @@ class ExperimentSpec(Strict):
     step: float = 0.01
     record_step: float | None = None
     record: tuple[str, ...] = ("*",)
-    algorithm: Literal["jacobi", "gauss-seidel"] = "jacobi"
+    algorithm: Literal["jacobi", "gauss-seidel", "iterative"] = "jacobi"
+    algebraic_loops: Literal["refuse", "solve"] = "refuse"
+    coupling_tolerance: float = Field(default=1e-6, gt=0.0, lt=1.0)
+    max_iterations: int = Field(default=50, ge=2)
     seed: int = Field(default=0, ge=0)
     fmi_version: Literal[2, 3] = 3
     portable: bool = False
