@@ -52,6 +52,8 @@ class Block:
     `parameters` has shape (n_p,), `state` (n_x,), in the order of `parameter_names` and
     `state_names`; the arrays are templates, which whoever runs the block copies. The first of
     `outputs` is the control or estimate itself, the others are internals offered as signals.
+    `tunable` names the parameters that may be changed during a run in an exported FMU, because no
+    other entry of `parameters` was calculated from them.
     """
 
     inputs: tuple[Signal, ...]
@@ -61,3 +63,4 @@ class Block:
     parameter_names: tuple[str, ...] = ()
     state: Array = field(default_factory=lambda: np.zeros(0))
     state_names: tuple[str, ...] = ()
+    tunable: tuple[str, ...] = ()

@@ -35,6 +35,7 @@ from controllers.pid import (
     ERROR,
     LAW_PARAMETER_NAMES,
     LAW_STATE_NAMES,
+    LAW_TUNABLE,
     N_LAW,
     N_LAW_OUTPUT,
     N_LAW_STATE,
@@ -298,6 +299,7 @@ class FuzzyPID(FuzzyPIDLaw):
             step=fuzzy_pid_step,
             parameters=np.concatenate([fixed, thetas]),
             parameter_names=tuple(names),
+            tunable=LAW_TUNABLE,
             state=state,
             state_names=(*LAW_STATE_NAMES, *(f"x_{i}" for i in range(N_LAW_STATE, len(state)))),
         )

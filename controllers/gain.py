@@ -41,4 +41,5 @@ class Gain:
             step=gain_step,
             parameters=np.array([self.gain, self.bias], dtype=np.float64),
             parameter_names=("gain", "bias"),
+            tunable=("gain", "bias"),
         )

@@ -64,6 +64,7 @@ LAW_PARAMETER_NAMES = (
     "anti_windup",
     "k_t",
 )
+LAW_TUNABLE = ("u_min", "u_max", "bias")
 LAW_STATE_NAMES = (
     "started",
     "integral",
@@ -266,6 +267,7 @@ class PID(PIDLaw):
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
         law = self.law_parameters(sample_time, self.ki)
+        tracking = self.anti_windup == "back_calculation"  # then k_t was calculated from K_i
         return Block(
             inputs=self.law_inputs(),
             outputs=self.law_outputs(),
@@ -274,4 +276,5 @@ class PID(PIDLaw):
             parameter_names=(*LAW_PARAMETER_NAMES, "kp", "ki", "kd"),
             state=np.zeros(N_LAW_STATE),
             state_names=LAW_STATE_NAMES,
+            tunable=(*LAW_TUNABLE, "kp", "kd", *(() if tracking else ("ki",))),
         )

@@ -9,7 +9,7 @@ has no events. This module refuses to know how an FMU is made (`fmus.packaging`)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -89,12 +89,15 @@ class Plant:
     display_units: tuple[DisplayUnit, ...] = ()
     version: str = "1.0"
 
-    def fmu(self, fmi_version: int = 3, *, portable: bool = False) -> Path:
+    def fmu(
+        self, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+    ) -> Path:
         """Path of this plant's FMU in the user cache, built when it is not there yet.
 
-        `fmi_version` is 2 or 3; `portable` asks for the pythonfmu packaging (FMI 2 only).
+        `fmi_version` is 2 or 3; `portable` asks for the pythonfmu packaging (FMI 2 only);
+        `targets` are the platforms of its binaries, such as "aarch64-linux", or "all".
         Raises `fmus.packaging.PackagingError` when it cannot be built.
         """
         from fmus.packaging import cached_fmu
 
-        return cached_fmu(self, fmi_version, portable=portable)
+        return cached_fmu(self, fmi_version, portable=portable, targets=targets)

@@ -7,6 +7,7 @@ Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -19,6 +20,8 @@ from harness.errors import FmuError, UsageError, nearest
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
 EXPERIMENTS = "fmu_harness.experiments"
+PACKAGERS = "fmu_harness.packagers"
+_OWN_PACKAGERS = {"native": "fmus.packaging.blocks:package_block"}  # where none is registered
 
 
 class Plant(Protocol):
@@ -32,8 +35,10 @@ class Plant(Protocol):
     def description(self) -> str:
         """One line for people."""
 
-    def fmu(self, fmi_version: int = 3, *, portable: bool = False) -> Path:
-        """The path of its FMU, built when it is not there yet."""
+    def fmu(
+        self, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+    ) -> Path:
+        """The path of its FMU, built when it is not there yet, for platforms such as "win64"."""
 
 
 @cache
@@ -52,11 +57,15 @@ def plant(name: str) -> Plant:
     return loaded
 
 
-def plant_fmu(name: str, fmi_version: int = 3, *, portable: bool = False) -> Path:
-    """The FMU of a plant, FMI 2 where it is `portable`; raises `FmuError` when there is none."""
+def plant_fmu(
+    name: str, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+) -> Path:
+    """The FMU of a plant, FMI 2 where it is `portable`, with binaries for this machine or for
+    `targets`; raises `FmuError` when there is none."""
     found = plant(name)
+    given = {"targets": targets} if targets else {}  # plants of others may know this machine only
     try:
-        return found.fmu(2 if portable else fmi_version, portable=portable)
+        return found.fmu(2 if portable else fmi_version, portable=portable, **given)
     except Exception as fault:  # a plant of another package has errors of its own
         raise FmuError(f"plant {name} cannot be packaged as an FMU: {fault}") from fault
 
@@ -64,6 +73,12 @@ def plant_fmu(name: str, fmi_version: int = 3, *, portable: bool = False) -> Pat
 def controller(name: str) -> Any:
     """The controller class registered under `name`, or that of "package.module:Class"."""
     return _load(CONTROLLERS, name, "controller")
+
+
+def packager(name: str) -> Any:
+    """What makes FMUs of blocks, under `name`; raises `UsageError` when there is none."""
+    own = _OWN_PACKAGERS.get(name, name)
+    return _load(PACKAGERS, name if name in _entries(PACKAGERS) else own, "packager")
 
 
 def experiments() -> dict[str, Path]:

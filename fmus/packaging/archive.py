@@ -10,12 +10,13 @@ import hashlib
 import tempfile
 import uuid
 import zipfile
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from fmus.packaging.codegen import MAIN_SOURCE, source_files
-from fmus.packaging.compiler import Compiler, compile_library, running_platform
+from fmus.packaging.compiler import Target, compile_library
 from fmus.packaging.documentation import documentation_page
 from fmus.packaging.errors import PackagingError
 from fmus.packaging.expressions import plant_expressions
@@ -76,19 +77,45 @@ def content_hash(files: dict[str, bytes]) -> str:
     return digest.hexdigest()
 
 
-def write_native_fmu(content: NativeContent, compiler: Compiler, path: Path) -> None:
-    """Compile the sources and write the archive to `path`."""
-    target = running_platform()
-    binary = f"binaries/{target.folder(content.fmi_version)}/{content.name}{target.suffix}"
-    with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
-        sources = Path(folder) / "sources"
-        sources.mkdir()
-        for name, data in content.files.items():
-            if name.startswith("sources/"):
-                (sources / name.removeprefix("sources/")).write_bytes(data)
-        library = Path(folder) / f"{content.name}{target.suffix}"
-        compile_library(compiler, sources, MAIN_SOURCE, library, content.fmi_version)
-        write_archive({**content.files, binary: library.read_bytes()}, path)
+def write_native_fmu(content: NativeContent, targets: Sequence[Target], path: Path) -> None:
+    """Compile the sources for all `targets` and write the archive to `path`."""
+    sources = {
+        name.removeprefix("sources/"): data
+        for name, data in content.files.items()
+        if name.startswith("sources/")
+    }
+    binaries = compiled_binaries(content.name, content.fmi_version, sources, targets)
+    write_archive({**content.files, **binaries}, path)
+
+
+def compiled_binaries(
+    name: str,
+    fmi_version: int,
+    sources: Mapping[str, bytes],
+    targets: Sequence[Target],
+    object_for: Callable[[str], bytes] | None = None,
+) -> dict[str, bytes]:
+    """The shared libraries by path in the archive, one a target.
+
+    `object_for` gives an object file for a platform tuple, to be linked with the sources.
+    """
+    found = {}
+    for target in targets:
+        platform = target.platform
+        with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
+            for source, data in sources.items():
+                Path(folder, source).write_bytes(data)
+            objects: tuple[str, ...] = ()
+            if object_for is not None:
+                objects = ("step.o",)
+                Path(folder, "step.o").write_bytes(object_for(platform.tuple))
+            library = Path(folder, f"{name}{platform.suffix}")
+            compile_library(
+                target.compiler, Path(folder), MAIN_SOURCE, library, fmi_version, objects
+            )
+            binary = f"binaries/{platform.folder(fmi_version)}/{library.name}"
+            found[binary] = library.read_bytes()
+    return found
 
 
 def write_archive(files: dict[str, bytes], path: Path) -> None:

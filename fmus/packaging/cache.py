@@ -19,13 +19,13 @@ import os
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
-from fmus.packaging.compiler import FLAGS, Compiler, find_compiler, running_platform
+from fmus.packaging.compiler import Target, find_compiler, find_targets
 from fmus.packaging.errors import PackagingError, PortableFallback
 from fmus.plant import Plant
 
@@ -43,11 +43,14 @@ def cache_directory() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / _APPLICATION
 
 
-def cached_fmu(plant: Plant, fmi_version: int = 3, *, portable: bool = False) -> Path:
+def cached_fmu(
+    plant: Plant, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+) -> Path:
     """Path of the plant's FMU in the cache, built when it is not there yet.
 
-    Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one and a
-    `PortableFallback` warning says so. Raises PackagingError when the FMU cannot be built.
+    `targets` are the platforms of its binaries, see `find_targets`; the running one when none is
+    named. Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one
+    and a `PortableFallback` warning says so. Raises PackagingError when it cannot be built.
     """
     if fmi_version not in (2, 3):
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
@@ -56,22 +59,30 @@ def cached_fmu(plant: Plant, fmi_version: int = 3, *, portable: bool = False) ->
             f"Plant {plant.name!r}: the portable FMU exists for FMI 2 only, version "
             f"{fmi_version} was asked for; choose fmi_version=2."
         )
-    compiler = None if portable else find_compiler()
-    if compiler is None and not portable:
-        warnings.warn(_fallback_notice(plant), PortableFallback, stacklevel=2)
-    kind = f"native {fmi_version} {compiler.identity}" if compiler else "portable"
-    return _noted(plant, kind, lambda: _build(plant, fmi_version, compiler))
+    found: tuple[Target, ...] = ()
+    if not portable:
+        if targets or find_compiler() is not None:
+            found = find_targets(targets)
+        else:
+            warnings.warn(_fallback_notice(plant), PortableFallback, stacklevel=2)
+    kind = f"native {fmi_version} {made_by(found)}" if found else "portable"
+    return _noted(plant, kind, lambda: _build(plant, fmi_version, found))
 
 
 def fmu_file(
-    plant: Plant, fmi_version: int, directory: str | Path, *, portable: bool = False
+    plant: Plant,
+    fmi_version: int,
+    directory: str | Path,
+    *,
+    portable: bool = False,
+    targets: Sequence[str] = (),
 ) -> Path:
     """Write `<name>.fmu` into `directory` (made if missing) and return its path."""
-    source = cached_fmu(plant, fmi_version, portable=portable)
+    source = cached_fmu(plant, fmi_version, portable=portable, targets=targets)
     target = Path(directory) / f"{plant.name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
     data = source.read_bytes()
-    _write_atomically(target, lambda path: path.write_bytes(data))
+    write_atomically(target, lambda path: path.write_bytes(data))
     return target
 
 
@@ -83,32 +94,37 @@ def _fallback_notice(plant: Plant) -> str:
     )
 
 
-def _build(plant: Plant, fmi_version: int, compiler: Compiler | None) -> Path:
+def made_by(targets: Sequence[Target]) -> str:
+    """What decides binaries besides their sources, as part of a key."""
+    return "; ".join(target.identity for target in targets)
+
+
+def _build(plant: Plant, fmi_version: int, targets: Sequence[Target]) -> Path:
     """Generate, look the content up, and write it when it is new."""
     # CasADi comes with these imports; a noted FMU is found without it.
     from fmus.packaging.archive import content_hash, native_content, write_native_fmu
     from fmus.packaging.portable import portable_content, write_portable_fmu
 
-    if compiler is None:
+    if not targets:
         portable = portable_content(plant)
-        path = _place(plant.name, content_hash(portable.files), "portable")
+        path = place(plant.name, content_hash(portable.files), "portable")
         if not path.exists():
-            _write_atomically(path, lambda part: write_portable_fmu(portable, part))
+            write_atomically(path, lambda part: write_portable_fmu(portable, part))
         return path
     native = native_content(plant, fmi_version)
-    made_by = f"{compiler.identity} {FLAGS} {running_platform().tuple}"
-    path = _place(plant.name, content_hash(native.files), made_by)
+    path = place(plant.name, content_hash(native.files), made_by(targets))
     if not path.exists():
-        _write_atomically(path, lambda part: write_native_fmu(native, compiler, part))
+        write_atomically(path, lambda part: write_native_fmu(native, targets, part))
     return path
 
 
-def _place(name: str, content: str, made_by: str) -> Path:
-    key = hashlib.sha256(f"{content} {made_by}".encode()).hexdigest()[:16]
+def place(name: str, content: str, maker: str) -> Path:
+    """Where the FMU with this hash of its content, made by `maker`, is kept."""
+    key = hashlib.sha256(f"{content} {maker}".encode()).hexdigest()[:16]
     return cache_directory() / key / f"{name}.fmu"
 
 
-def _write_atomically(path: Path, write: Callable[[Path], object]) -> None:
+def write_atomically(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a file beside `path`, then rename it; nothing is left when it fails."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".part-", dir=path.parent) as folder:
@@ -130,7 +146,7 @@ def _noted(plant: Plant, kind: str, build: Callable[[], Path]) -> Path:
             return path
     path = build()
     relative = path.relative_to(cache_directory()).as_posix()
-    _write_atomically(note, lambda part: part.write_text(relative, "utf-8"))
+    write_atomically(note, lambda part: part.write_text(relative, "utf-8"))
     return path
 
 

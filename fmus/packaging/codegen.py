@@ -24,9 +24,12 @@ RUNTIME_FILES = (
     "component.h",
     "derivatives.c",
     "export.h",
+    "life_cycle.c",
     "logging.c",
+    "refusals.c",
     "rodas4.c",
     "rodas4.h",
+    "state.h",
     "stored_state.c",
     "variables.c",
 )
@@ -120,26 +123,27 @@ def _tables(expressions: PlantExpressions, equations: Equations) -> str:
     maxima = [float("inf") if p.maximum is None else p.maximum for p in parameters]
     tables = (
         ("char *const", "model_names", names),
-        ("double", "model_x_start", _numbers(s.start for s in plant.states)),
-        ("double", "model_x_nominal", _numbers(s.nominal for s in plant.states)),
-        ("double", "model_u_start", _numbers(v.start for v in plant.inputs)),
-        ("double", "model_p_start", _numbers(p.value for p in parameters)),
-        ("double", "model_p_minimum", _numbers(minima)),
-        ("double", "model_p_maximum", _numbers(maxima)),
+        ("double", "model_x_start", c_numbers(s.start for s in plant.states)),
+        ("double", "model_x_nominal", c_numbers(s.nominal for s in plant.states)),
+        ("double", "model_u_start", c_numbers(v.start for v in plant.inputs)),
+        ("double", "model_p_start", c_numbers(p.value for p in parameters)),
+        ("double", "model_p_minimum", c_numbers(minima)),
+        ("double", "model_p_maximum", c_numbers(maxima)),
         ("int", "model_p_tunable", [str(int(p.tunable)) for p in parameters]),
         ("int", "model_jacobian_starts", [str(i) for i in equations.starts]),
         ("int", "model_jacobian_rows", [str(i) for i in equations.rows]),
     )
-    return "".join(_table(kind, name, entries) for kind, name, entries in tables)
+    return "".join(c_table(kind, name, entries) for kind, name, entries in tables)
 
 
-def _table(kind: str, name: str, entries: list[str]) -> str:
+def c_table(kind: str, name: str, entries: list[str]) -> str:
     """A C array; an empty one gets an entry that nobody reads, as C has no empty arrays."""
     body = "".join(f"    {entry},\n" for entry in entries or ["0"])
     return f"static const {kind} {name}[] = {{\n{body}}};\n\n"
 
 
-def _numbers(values: Iterable[float]) -> list[str]:
+def c_numbers(values: Iterable[float]) -> list[str]:
+    """C literals."""
     special = {float("inf"): "INFINITY", float("-inf"): "-INFINITY"}
     return [special.get(value, repr(float(value))) for value in values]
 

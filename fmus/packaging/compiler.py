@@ -9,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -46,12 +47,31 @@ class Platform:
         return _FMI2_FOLDERS.get(self.tuple, self.tuple) if fmi_version == 2 else self.tuple
 
 
+PLATFORMS = {
+    name: Platform(name, next(s for system, s in _SYSTEMS.values() if name.endswith(system)))
+    for name in _ZIG_TARGETS
+}
+
+
 @dataclass(frozen=True)
 class Compiler:
     """A command that understands the options of cc; `identity` is what it says of its version."""
 
     command: tuple[str, ...]
     identity: str
+
+
+@dataclass(frozen=True)
+class Target:
+    """A platform to build for, and the compiler that does it."""
+
+    platform: Platform
+    compiler: Compiler
+
+    @property
+    def identity(self) -> str:
+        """What decides the binary, besides its sources."""
+        return f"{self.compiler.identity} {FLAGS} {self.platform.tuple}"
 
 
 def running_platform() -> Platform:
@@ -78,12 +98,57 @@ def _find_compiler(environment_cc: str, _path: str) -> Compiler | None:
     for command in candidates:
         if shutil.which(command[0]) and (identity := _identity(command)):
             return Compiler(command, identity)
-    if importlib.util.find_spec("ziglang") is not None and running_platform().tuple in _ZIG_TARGETS:
-        target = _ZIG_TARGETS[running_platform().tuple]
-        zig = (sys.executable, "-m", "ziglang", "cc", "-target", target)
-        if identity := _identity(zig):
-            return Compiler(zig, identity)
-    return None
+    return cross_compiler(running_platform().tuple)
+
+
+def cross_compiler(platform_tuple: str) -> Compiler | None:
+    """The one in the PyPI package ziglang, compiling for `platform_tuple`; None without it."""
+    return _cross_compiler(platform_tuple, importlib.util.find_spec("ziglang") is not None)
+
+
+@lru_cache(maxsize=16)
+def _cross_compiler(platform_tuple: str, installed: bool) -> Compiler | None:
+    if not installed or platform_tuple not in _ZIG_TARGETS:
+        return None
+    zig = (sys.executable, "-m", "ziglang", "cc", "-target", _ZIG_TARGETS[platform_tuple])
+    return Compiler(zig, identity) if (identity := _identity(zig)) else None
+
+
+def find_targets(names: Sequence[str] = ()) -> tuple[Target, ...]:
+    """What to build for: the running platform when no names are given, "all" for all that are
+    known, else platforms as FMI 3 names them ("aarch64-linux") or FMI 2 does ("win64").
+
+    Raises PackagingError for a name that is not known, and where there is no compiler for one.
+    """
+    if not names:
+        wanted = [running_platform().tuple]
+    elif "all" in names:
+        wanted = sorted(PLATFORMS)
+    else:
+        wanted = [_platform_tuple(name) for name in dict.fromkeys(names)]
+    return tuple(_target(name) for name in wanted)
+
+
+def _platform_tuple(name: str) -> str:
+    tuples = {folder: platform for platform, folder in _FMI2_FOLDERS.items()}
+    found = tuples.get(name, name)
+    if found not in PLATFORMS:
+        raise PackagingError(
+            f"The platform {name!r} is not known; choose from {', '.join(sorted(PLATFORMS))}, or "
+            "'all'."
+        )
+    return found
+
+
+def _target(name: str) -> Target:
+    own = name == running_platform().tuple
+    compiler = find_compiler() if own else cross_compiler(name)
+    if compiler is None:
+        raise PackagingError(
+            f"There is no C compiler for {name}; `pip install fmu-harness[zig]` brings one that "
+            "compiles for " + ", ".join(sorted(PLATFORMS)) + "."
+        )
+    return Target(PLATFORMS[name], compiler)
 
 
 def _identity(command: tuple[str, ...]) -> str:
@@ -97,8 +162,16 @@ def _identity(command: tuple[str, ...]) -> str:
     return f"{' '.join(command)}: {result.stdout.strip()}"
 
 
-def compile_library(compiler: Compiler, sources: Path, main: str, library: Path, fmi: int) -> None:
-    """Compile `sources/main` into the shared library `library` for the running platform.
+def compile_library(
+    compiler: Compiler,
+    sources: Path,
+    main: str,
+    library: Path,
+    fmi: int,
+    objects: tuple[str, ...] = (),
+) -> None:
+    """Compile `sources/main` and link `sources/object` of all `objects` into the shared library
+    `library`, for the platform that `compiler` compiles for.
 
     Paths inside the compilation are relative, so the library does not depend on where it was
     built. Raises PackagingError with the compiler's words when it fails.
@@ -109,6 +182,7 @@ def compile_library(compiler: Compiler, sources: Path, main: str, library: Path,
         *FLAGS,
         f"-DFMI{fmi}_OVERRIDE_FUNCTION_PREFIX",
         main,
+        *objects,
         "-o",
         str(library),
         "-lm",

@@ -6,12 +6,13 @@ of content and stands in for itself while it is computed (`archive.py`).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
 from fmus.packaging.codegen import MAIN_SOURCE
 from fmus.packaging.interface import RELATIVE_TOLERANCE, Interface
 from fmus.packaging.structure import ModelStructure, Unknown
-from fmus.packaging.units import base_unit
+from fmus.packaging.units import BaseUnit, base_unit
 from fmus.packaging.variables import VariableEntry, variable_entries
 from fmus.plant import DisplayUnit, Plant
 
@@ -33,24 +34,21 @@ def model_description(
     portable: bool = False,
 ) -> bytes:
     """The file's bytes, UTF-8, indented; `portable` declares what pythonfmu's library can do."""
-    root = _root(interface.plant, fmi_version, token)
+    plant = interface.plant
+    root = root_element(plant.name, plant.description, plant.version, fmi_version, token)
     entries = variable_entries(interface)
     if portable:
         _portable_interface(root, interface.plant.name)
     else:
         _interface_types(root, interface.plant.name, fmi_version)
-    _units(root, entries, interface.plant.display_units)
-    categories = ET.SubElement(root, "LogCategories")
-    for name, text in LOG_CATEGORIES.items():
-        ET.SubElement(categories, "Category", name=name, description=text)
+    unit_definitions(root, {e.unit: base_unit(e.unit) for e in entries}, plant.display_units)
+    log_categories(root, LOG_CATEGORIES)
     ET.SubElement(root, "DefaultExperiment", _experiment(interface.plant))
     displays = _display_names(interface.plant.display_units)
     variables = ET.SubElement(root, "ModelVariables")
     for reference, entry in enumerate(entries):
-        add_variable = _variable_2 if fmi_version == 2 else _variable_3
-        add_variable(variables, reference, entry, displays)
-    add_structure = _structure_2 if fmi_version == 2 else _structure_3
-    add_structure(ET.SubElement(root, "ModelStructure"), structure)
+        add_variable(variables, fmi_version, reference, entry, displays)
+    add_structure(root, fmi_version, structure)
     return xml_bytes(root)
 
 
@@ -61,13 +59,16 @@ def xml_bytes(root: ET.Element) -> bytes:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
 
 
-def _root(plant: Plant, fmi_version: int, token: str) -> ET.Element:
+def root_element(
+    name: str, description: str, version: str, fmi_version: int, token: str
+) -> ET.Element:
+    """The root with its attributes."""
     attributes = {
         "fmiVersion": f"{fmi_version}.0",
-        "modelName": plant.name,
+        "modelName": name,
         "guid" if fmi_version == 2 else "instantiationToken": token,
-        "description": plant.description,
-        "version": plant.version,
+        "description": description,
+        "version": version,
         "license": "MIT",
         "generationTool": "fmu-harness",
         "variableNamingConvention": "structured",
@@ -125,25 +126,39 @@ def _experiment(plant: Plant) -> Attributes:
     }
 
 
-def _units(
-    root: ET.Element, entries: list[VariableEntry], display_units: tuple[DisplayUnit, ...]
+def unit_definitions(
+    root: ET.Element,
+    units: Mapping[str, BaseUnit | None],
+    display_units: tuple[DisplayUnit, ...] = (),
 ) -> None:
+    """Units by name; one whose meaning in base units is None is named only."""
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for unit in dict.fromkeys(entry.unit for entry in entries):
+    for unit, meaning in units.items():
         element = ET.SubElement(definitions, "Unit", name=unit)
-        meaning = base_unit(unit)
-        attributes = {base: str(power) for base, power in meaning.exponents.items()}
-        if meaning.factor != 1.0:
-            attributes["factor"] = repr(meaning.factor)
-        if meaning.offset != 0.0:
-            attributes["offset"] = repr(meaning.offset)
-        ET.SubElement(element, "BaseUnit", attributes)
+        if meaning is not None:
+            _base_unit(element, meaning)
         for display in display_units:
             if display.unit == unit:
                 scale = {"name": display.name, "factor": repr(float(display.factor))}
                 if display.offset:
                     scale["offset"] = repr(float(display.offset))
                 ET.SubElement(element, "DisplayUnit", scale)
+
+
+def _base_unit(element: ET.Element, meaning: BaseUnit) -> None:
+    attributes = {base: str(power) for base, power in meaning.exponents.items()}
+    if meaning.factor != 1.0:
+        attributes["factor"] = repr(meaning.factor)
+    if meaning.offset != 0.0:
+        attributes["offset"] = repr(meaning.offset)
+    ET.SubElement(element, "BaseUnit", attributes)
+
+
+def log_categories(root: ET.Element, texts: Mapping[str, str]) -> None:
+    """The log categories with their descriptions."""
+    categories = ET.SubElement(root, "LogCategories")
+    for name, text in texts.items():
+        ET.SubElement(categories, "Category", name=name, description=text)
 
 
 def _display_names(display_units: tuple[DisplayUnit, ...]) -> dict[str, str]:
@@ -165,7 +180,7 @@ def _general(reference: int, entry: VariableEntry) -> Attributes:
 
 
 def _real(entry: VariableEntry, displays: dict[str, str]) -> Attributes:
-    attributes = {"unit": entry.unit}
+    attributes = {"unit": entry.unit} if entry.unit else {}
     if entry.unit in displays:
         attributes["displayUnit"] = displays[entry.unit]
     if entry.minimum is not None:
@@ -177,6 +192,18 @@ def _real(entry: VariableEntry, displays: dict[str, str]) -> Attributes:
     if entry.start is not None:
         attributes["start"] = repr(float(entry.start))
     return attributes
+
+
+def add_variable(
+    parent: ET.Element,
+    fmi_version: int,
+    reference: int,
+    entry: VariableEntry,
+    displays: dict[str, str],
+) -> None:
+    """One variable; `displays` is the display unit by unit."""
+    add = _variable_2 if fmi_version == 2 else _variable_3
+    add(parent, reference, entry, displays)
 
 
 def _variable_2(
@@ -203,6 +230,12 @@ def _dependencies(unknown: Unknown, first: int) -> Attributes:
         "dependencies": " ".join(str(reference + first) for reference in unknown.dependencies),
         "dependenciesKind": " ".join(unknown.kinds),
     }
+
+
+def add_structure(root: ET.Element, fmi_version: int, structure: ModelStructure) -> None:
+    """The model structure."""
+    add = _structure_2 if fmi_version == 2 else _structure_3
+    add(ET.SubElement(root, "ModelStructure"), structure)
 
 
 def _structure_2(parent: ET.Element, structure: ModelStructure) -> None:

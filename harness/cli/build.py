@@ -1,49 +1,166 @@
-"""`fmu-harness build`: write the FMUs of plants as files."""
+"""`fmu-harness build`: write the FMUs of plants and controllers as files."""
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from harness import registry
 from harness.cli.notices import notices
 from harness.cli.terminal import console
-from harness.errors import HarnessError, UsageError
+from harness.cli.values import settings
+from harness.errors import HarnessError, UsageError, nearest
+
+if TYPE_CHECKING:
+    from harness.export.find import FoundBlock
+
+Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
 
 
 def build_command(
-    plants: Annotated[
-        list[str] | None, typer.Argument(help="Plants; all when none is named")
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Plants, controllers, or package.module:Class; all plants when none is named"
+        ),
     ] = None,
     fmi: Annotated[
         list[int] | None, typer.Option(help="FMI version, 2 or 3; both when absent")
     ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the .fmu files")] = Path("fmu"),
     portable: Annotated[bool, typer.Option(help="Python packaging, no compiler needed")] = False,
+    targets: Annotated[
+        list[str] | None,
+        typer.Option(help="Platforms such as win64 or aarch64-linux, or 'all'; repeatable"),
+    ] = None,
+    sample_time: Annotated[
+        float | None, typer.Option(help="Sample time of controllers in seconds")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Parameter of the controller, or key of the experiment"),
+    ] = None,
+    experiment: Annotated[
+        str | None, typer.Option(help="Build the controllers of this experiment")
+    ] = None,
+    variant: Annotated[str | None, typer.Option(help="Its variant; the first when absent")] = None,
+    component: Annotated[
+        list[str] | None, typer.Option(help="Its controllers; all when absent; repeatable")
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(help="Name of the FMU, where there is one controller")
+    ] = None,
 ) -> None:
-    """Write plants as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
-    out = console()
+    """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
     versions = [2] if portable else (fmi or [2, 3])
     for version in versions:
         if version not in (2, 3):
             raise UsageError(f"FMI version {version} cannot be built; choose 2 or 3")
+    platforms = [one for given in targets or () for one in given.split(",") if one]
+    if experiment is not None and names:
+        raise UsageError("name controllers, or an experiment with --component, not both")
+    if experiment is None and (variant is not None or component):
+        raise UsageError("--variant and --component belong to --experiment NAME")
     with notices():
-        for name in plants or registry.names(registry.PLANTS):
-            plant = registry.plant(name)
+        if experiment is not None:
+            asked = _of_experiment(
+                experiment, variant, component or [], set_ or [], platforms, name
+            )
+        else:
+            wanted = names or registry.names(registry.PLANTS)
+            _check_controller_options(wanted, sample_time, set_, name)
+            asked = (
+                _plant(one, portable, platforms)
+                if _is_plant(one)
+                else _controller(one, sample_time, set_ or [], platforms, name)
+                for one in wanted
+            )
+        for file_name, make in asked:
             for version in versions:
                 folder = output / ("portable" if portable else f"fmi{version}")
-                target = folder / f"{plant.name}.fmu"
-                try:
-                    built = registry.plant_fmu(name, version, portable=portable)
-                    folder.mkdir(parents=True, exist_ok=True)
-                    shutil.copyfile(built, target)
-                except OSError as fault:
-                    raise HarnessError(f"{target} cannot be written: {fault}") from fault
-                out.print(
-                    f"{target}  {target.stat().st_size / 1024:.0f} KiB",
-                    markup=False,
-                    soft_wrap=True,
-                )
+                _copy(make(version), folder / f"{file_name}.fmu")
+
+
+def _copy(built: Path, target: Path) -> None:
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(built, target)
+    except OSError as fault:
+        raise HarnessError(f"{target} cannot be written: {fault}") from fault
+    size = target.stat().st_size / 1024
+    console().print(f"{target}  {size:.0f} KiB", markup=False, soft_wrap=True)
+
+
+def _is_plant(name: str) -> bool:
+    """Whether `name` is a plant; raises `UsageError` for a name that is nothing."""
+    plants, controllers = registry.names(registry.PLANTS), registry.names(registry.CONTROLLERS)
+    if name in plants or name in controllers:
+        return name in plants
+    if ":" not in name:
+        raise UsageError(
+            f"no plant or controller {name!r}; {nearest(name, [*plants, *controllers])} (or "
+            "'package.module:Class' for your own)"
+        )
+    return hasattr(registry.plant(name), "fmu")
+
+
+def _check_controller_options(
+    names: list[str], sample_time: float | None, set_: list[str] | None, name: str | None
+) -> None:
+    controllers = [one for one in names if not _is_plant(one)]
+    if not controllers and (sample_time is not None or set_ or name):
+        raise UsageError("--sample-time, --set and --name are for controllers, not for plants")
+    if name is not None and len(controllers) > 1:
+        raise UsageError(f"--name is for one controller, here are {len(controllers)}")
+
+
+def _plant(name: str, portable: bool, targets: list[str]) -> Built:
+    if portable and targets:
+        raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
+    plant = registry.plant(name)
+    return plant.name, partial(registry.plant_fmu, name, portable=portable, targets=targets)
+
+
+def _controller(
+    source: str, sample_time: float | None, set_: list[str], targets: list[str], name: str | None
+) -> Built:
+    from harness.export.find import named_controller
+
+    return _built(named_controller(source, sample_time, settings(set_), name), targets, name)
+
+
+def _of_experiment(
+    experiment: str,
+    variant: str | None,
+    components: list[str],
+    set_: list[str],
+    targets: list[str],
+    name: str | None,
+) -> Iterator[Built]:
+    from harness.export.find import controllers_of
+
+    found = controllers_of(experiment, variant, components, settings(set_))
+    if name is not None and len(found) > 1:
+        known = ", ".join(one.name for one in found)
+        raise UsageError(f"--name is for one controller; choose a --component of {known}")
+    for one in found:
+        yield _built(one, targets, name)
+
+
+def _built(found: FoundBlock, targets: list[str], name: str | None) -> Built:
+    from harness.export.controller import controller_fmu, identifier
+
+    chosen = identifier(name or found.name)
+
+    def make(version: int) -> Path:
+        return controller_fmu(
+            found.block, chosen, found.sample_time, version,
+            phase=found.phase, description=found.description, targets=targets,
+        )  # fmt: skip
+
+    return chosen, make

@@ -49,8 +49,8 @@ def export_command(
 
 
 def _export(name: str, output: Path, variant: list[str] | None, pairs: list[str]) -> None:
-    from harness.ssp.block_fmu import block_fmu
+    from harness.export.controller import controller_fmu
     from harness.ssp.from_experiment import export_experiment
 
     with opened_experiment(name, pairs) as experiment:
-        export_experiment(experiment, output, variant or experiment.variants, block_fmu)
+        export_experiment(experiment, output, variant or experiment.variants, controller_fmu)

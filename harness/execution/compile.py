@@ -188,11 +188,11 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
+def _rebuild(function: FunctionType, step: str, done: dict[int, Any], **options: bool) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(_plain(value), step, done)
+            name: _rebuild(_plain(value), step, done, **options)
             for name, value in _named(function).items()
             if _is_function(value)
         }
@@ -201,7 +201,7 @@ def _rebuild(function: FunctionType, step: str, done: dict[int, Any]) -> Any:
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
-        done[id(function)] = njit(plain, error_model="numpy")
+        done[id(function)] = njit(plain, error_model="numpy", **options)
     return done[id(function)]
 
 
@@ -236,3 +236,30 @@ def _label(function: StepFunction | Callable[..., Any]) -> str:
 def _first_line(fault: Exception) -> str:
     lines = [line.strip() for line in str(fault).splitlines() if line.strip()]
     return lines[1] if len(lines) > 1 and lines[0].startswith("Failed in") else (lines or ["?"])[0]
+
+
+def step_functions(step: StepFunction) -> list[FunctionType]:
+    """The step function itself and every plain Python function that it names, directly or not."""
+    waiting = [_plain(step)]
+    found = {id(waiting[0]): waiting[0]}
+    while waiting:
+        for value in _named(waiting.pop()).values():
+            if _is_function(value) and id(_plain(value)) not in found:
+                function = _plain(value)
+                found[id(function)] = function
+                waiting.append(function)
+    return list(found.values())
+
+
+def step_fingerprint(step: StepFunction) -> str:
+    """Hash of all that the machine code of `step` depends on; raises `CompileError` for what cannot
+    be compiled."""
+    digest = hashlib.sha256()
+    _fingerprint(_plain(step), (), {}, digest)
+    return digest.hexdigest()
+
+
+def rebuilt_step(step: StepFunction, name: str, **options: bool) -> Any:
+    """`step` as a numba function called `name`, whose helpers are numba functions; `options` of
+    numba's apply to all of them."""
+    return _rebuild(_plain(step), name, {}, **options)

@@ -45,7 +45,7 @@ class Iteration:
         """The operation that judges a repetition; slot 0 lies at address `base`."""
         arrays = self.parameters.ctypes.data, self.work.ctypes.data
         found, state = base + 8 * self.found[0], base + 8 * self.first
-        return [op.CALL_4, self.compiled.address, *arrays, found, state]
+        return self.compiled.operation(*arrays, found, state)
 
     def residuals(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
         """|found - assumed| of each wire (n,), relative to its size; `v` are the slots."""

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.clock import to_seconds
-from harness.errors import GraphError, HarnessError, SimulationError, nearest
+from harness.errors import FmuError, GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
 from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
@@ -101,7 +101,7 @@ def recorded_ports(
         if isinstance(c, FmuComponent):
             d = descriptions[c.name]
             ports = map(d.port, [*d.variables, *d.elements])
-            kinds = {v.name for v in ports if v.type in NUMERIC_TYPES and not v.dimensions}
+            kinds = {v.name for v in ports if v.type in NUMERIC_TYPES and not v.shape}
             exact += [end for end in readable if end.variable in kinds]
             causal = {name for v in d.outputs for name in d.whole(v.name)}
             readable = [e for e in readable if e.variable in causal and e.variable in kinds]
@@ -176,6 +176,11 @@ def _instance(
     component: FmuComponent, fmu: Fmu, echo: Callable[[str, LogMessage], None] | None
 ) -> FmuInstance:
     name = component.name
+    if fmu.description.fmi_major == 1:
+        raise FmuError(
+            f"component {name}: its FMU is of FMI 1, and the loop runs FMI 2 and 3; "
+            "`fmu-harness simulate` runs it on its own"
+        )
     seen = None if echo is None else (lambda message: echo(name, message))
     return fmu.instantiate(name, logging=echo is not None, echo=seen)
 

@@ -11,7 +11,6 @@ import hashlib
 import lzma
 import shutil
 import stat
-import tempfile
 import weakref
 import zipfile
 import zlib
@@ -19,6 +18,7 @@ from pathlib import Path, PurePosixPath
 from typing import ClassVar, Self
 
 from harness.errors import FmuError
+from harness.fmi.temporary import make_folder
 
 _BROKEN = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, NotImplementedError, RuntimeError, EOFError,
@@ -42,7 +42,7 @@ class Archive:
         if not self.path.is_file():
             raise FmuError(f"FMU {self.path} is not a file; give the path of an .fmu archive")
         self.sha256 = hashlib.sha256(self.path.read_bytes()).hexdigest()
-        self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-"))
+        self.folder = make_folder()
         self._finalizer = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         try:
             self._unpack()

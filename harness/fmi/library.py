@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from harness.errors import FmuError
+from harness.fmi.dependencies import load_with_neighbours
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
 _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
@@ -80,7 +81,7 @@ class Library:
         self.corrupted = False
         self.instances = 0
         try:
-            self._library = ctypes.CDLL(str(path))
+            self._library, self._first = load_with_neighbours(path, _root(path))
         except OSError as fault:
             raise FmuError(f"library {path.name} of the FMU cannot be loaded: {fault}") from fault
 
@@ -96,15 +97,8 @@ class Library:
         finalize = self.find(_PYTHONFMU_FINALIZE)
         if finalize is not None:
             ctypes.PYFUNCTYPE(None)(finalize)()
-        handle = self._library._handle
-        if sys.platform == "win32":
-            import _ctypes
-
-            _ctypes.FreeLibrary(handle)
-        else:
-            close = ctypes.CDLL(None).dlclose
-            close.argtypes = [ctypes.c_void_p]
-            close(handle)
+        for library in (self._library, *reversed(self._first)):
+            _unload(library._handle)
 
     def find(self, name: str) -> int | None:
         """Address of the function `name`, or None."""
@@ -112,3 +106,19 @@ class Library:
             return ctypes.cast(getattr(self._library, name), ctypes.c_void_p).value
         except AttributeError:
             return None
+
+
+def _root(path: Path) -> Path:
+    """The unpacked FMU to which the library at ROOT/binaries/PLATFORM/NAME belongs."""
+    return path.parents[2]
+
+
+def _unload(handle: int) -> None:
+    if sys.platform == "win32":
+        import _ctypes
+
+        _ctypes.FreeLibrary(handle)
+    else:
+        close = ctypes.CDLL(None).dlclose
+        close.argtypes = [ctypes.c_void_p]
+        close(handle)

@@ -19,6 +19,13 @@ from fmpy.model_description import ValidationError
 from lxml import etree
 
 from harness.errors import FmuError, nearest
+from harness.fmi.details import (
+    Details,
+    DisplayUnit,
+    fmi1_capabilities,
+    read_details,
+    read_display_units,
+)
 from harness.system.units import Unit
 
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
@@ -30,7 +37,8 @@ NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 @dataclass(frozen=True)
 class Variable:
     """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array of
-    `dimensions`)."""
+    `shape`) as the file gives it. `dimensions` are the sizes of an array, a name where a
+    structural parameter holds the size; `details` is what only some variables have."""
 
     name: str
     value_reference: int
@@ -46,7 +54,9 @@ class Variable:
     nominal: float | None
     size: int = 1
     derivative_of: str | None = None
-    dimensions: tuple[int, ...] = ()
+    shape: tuple[int, ...] = ()
+    dimensions: tuple[int | str, ...] = ()
+    details: Details = field(default_factory=Details)
 
 
 @dataclass(frozen=True)
@@ -64,6 +74,9 @@ class Capabilities:
     has_event_mode: bool = False
     max_output_derivative_order: int = 0
     can_interpolate_inputs: bool = False
+    needs_completed_integrator_step: bool = True
+    might_return_early: bool = False
+    needs_execution_tool: bool = False
 
 
 @dataclass(frozen=True)
@@ -92,6 +105,11 @@ class ModelDescription:
     step_size: float | None
     tolerance: float | None
     initial_feedthrough: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    scheduled_execution: bool = False
+    number_of_event_indicators: int = 0
+    number_of_continuous_states: int = 0
+    display_units: Mapping[str, Mapping[str, DisplayUnit]] = field(default_factory=dict)
+    event_indicators: tuple[str, ...] = ()
 
     @property
     def fmi_major(self) -> int:
@@ -114,7 +132,7 @@ class ModelDescription:
         return {
             name: (variable, place)
             for variable in self.variables.values()
-            if variable.dimensions
+            if variable.shape
             for place, name in enumerate(element_names(variable))
             if name not in self.variables
         }
@@ -129,12 +147,12 @@ class ModelDescription:
         array, place = self.elements[name]
         starts = str(array.start).split() if array.start is not None else []
         start = starts[place if len(starts) > 1 else 0] if starts else None
-        return replace(array, name=name, size=1, dimensions=(), start=start)
+        return replace(array, name=name, size=1, dimensions=(), shape=(), start=start)
 
     def whole(self, name: str) -> tuple[str, ...]:
         """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
         array = self.elements[name][0] if name in self.elements else self.variables.get(name)
-        return element_names(array) if array is not None and array.dimensions else (name,)
+        return element_names(array) if array is not None and array.shape else (name,)
 
     def variable(self, name: str) -> Variable:
         """The variable of that name; raises `FmuError` with the nearest legal names."""
@@ -147,7 +165,7 @@ class ModelDescription:
 
 def element_names(array: Variable) -> tuple[str, ...]:
     """The names of an array's elements in the order of their values; indices begin at 1."""
-    indices = product(*(range(1, 1 + length) for length in array.dimensions))
+    indices = product(*(range(1, 1 + length) for length in array.shape))
     return tuple(f"{array.name}[{','.join(map(str, index))}]" for index in indices)
 
 
@@ -173,7 +191,7 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
         ) from fault
     except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
         raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    return _adapt(description, _directional(tree.getroot()))
+    return _adapt(description, tree.getroot())
 
 
 def _parse(document: Path) -> Any:
@@ -194,8 +212,13 @@ def _directional(root: Any) -> frozenset[str]:
     )
 
 
-def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
-    variables = {v.name: _variable(v) for v in d.modelVariables}
+def _adapt(d: Any, root: Any) -> ModelDescription:
+    directional, details = _directional(root), read_details(root)
+    names = {v.valueReference: v.name for v in reversed(d.modelVariables)}
+    variables = {
+        v.name: _variable(v, details.get(v.name, Details()), names) for v in d.modelVariables
+    }
+    fmi1 = fmi1_capabilities(root)
     experiment = d.defaultExperiment
     outputs = {u.variable.name: u for u in d.outputs if u.variable is not None}
     return ModelDescription(
@@ -204,8 +227,12 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
         token=d.instantiationToken or "",
         description=d.description or "",
         generation_tool=d.generationTool or "",
-        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional),
-        model_exchange=_capabilities(d.modelExchange, "ModelExchange" in directional),
+        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional, fmi1),
+        model_exchange=_capabilities(
+            d.modelExchange,
+            "ModelExchange" in directional,
+            None if fmi1 is None else {"needs_completed_integrator_step": True},
+        ),
         variables=variables,
         units={u.name: _unit(u) for u in d.unitDefinitions},
         feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},
@@ -223,11 +250,16 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
             for u in d.initialUnknowns
             if u.variable is not None and u.dependencies is not None
         },
+        scheduled_execution=d.scheduledExecution is not None,
+        number_of_event_indicators=d.numberOfEventIndicators,
+        number_of_continuous_states=d.numberOfContinuousStates,
+        display_units=read_display_units(root),
+        event_indicators=tuple(u.variable.name for u in d.eventIndicators if u.variable),
     )
 
 
-def _variable(v: Any) -> Variable:
-    dimensions = tuple(
+def _variable(v: Any, details: Details, names: Mapping[int, str]) -> Variable:
+    shape = tuple(
         int(dimension.start if dimension.variable is None else dimension.variable.start)
         for dimension in v.dimensions
     )
@@ -245,9 +277,17 @@ def _variable(v: Any) -> Variable:
         minimum=_number(v.min),
         maximum=_number(v.max),
         nominal=_number(v.nominal),
-        size=prod(dimensions),
-        dimensions=dimensions,
+        size=prod(shape),
+        shape=shape,
         derivative_of=v.derivative.name if v.derivative is not None else None,
+        dimensions=tuple(
+            int(d.start) if d.variable is None else d.variable.name for d in v.dimensions
+        ),
+        details=replace(
+            details,
+            alias_of=v.alias.name if v.alias is not None else details.alias_of,
+            clocks=tuple(names.get(int(one), one) for one in details.clocks),
+        ),
     )
 
 
@@ -258,10 +298,12 @@ def _feedthrough(unknown: Any, variables: Mapping[str, Variable]) -> tuple[str, 
     return tuple(name for name in names if variables[name].causality == "input")
 
 
-def _capabilities(c: Any, directional: bool) -> Capabilities | None:
+def _capabilities(
+    c: Any, directional: bool, fmi1: Mapping[str, Any] | None = None
+) -> Capabilities | None:
     if c is None:
         return None
-    return Capabilities(
+    found = Capabilities(
         model_identifier=c.modelIdentifier,
         can_get_and_set_fmu_state=bool(c.canGetAndSetFMUstate),
         can_serialize_fmu_state=bool(c.canSerializeFMUstate),
@@ -273,7 +315,11 @@ def _capabilities(c: Any, directional: bool) -> Capabilities | None:
         has_event_mode=bool(getattr(c, "hasEventMode", False)),
         max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
         can_interpolate_inputs=bool(getattr(c, "canInterpolateInputs", False)),
+        needs_completed_integrator_step=bool(getattr(c, "needsCompletedIntegratorStep", True)),
+        might_return_early=bool(getattr(c, "mightReturnEarlyFromDoStep", False)),
+        needs_execution_tool=bool(c.needsExecutionTool),
     )
+    return replace(found, **fmi1) if fmi1 else found
 
 
 def _unit(u: Any) -> Unit:

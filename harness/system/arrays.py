@@ -32,8 +32,8 @@ def _expanded(
         for end in ends
         if end.component in descriptions
     ]
-    arrays = [variable for variable in found if variable is not None and variable.dimensions]
-    if len(arrays) < 2 or arrays[0].dimensions != arrays[1].dimensions:
+    arrays = [variable for variable in found if variable is not None and variable.shape]
+    if len(arrays) < 2 or arrays[0].shape != arrays[1].shape:
         yield connection
     else:
         source, target = arrays

@@ -231,10 +231,10 @@ def _writable(v: Variable) -> bool:
 
 def _info(v: Variable, d: ModelDescription) -> PortInfo:
     start = 0.0
-    if v.type in NUMERIC_TYPES and v.start is not None and not v.dimensions:
+    if v.type in NUMERIC_TYPES and v.start is not None and not v.shape:
         text = str(v.start).lower()
         start = float(text in ("true", "1")) if v.type == "Boolean" else float(text)
-    kind = f"{v.type}[{','.join(map(str, v.dimensions))}]" if v.dimensions else v.type
+    kind = f"{v.type}[{','.join(map(str, v.shape))}]" if v.shape else v.type
     return PortInfo(_stated(v.unit, d.units), kind, start, v.description)
 
 

@@ -1,4 +1,5 @@
 #include "component.h"
+#include "state.h"
 
 #include <float.h>
 #include <math.h>
@@ -7,24 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "logging.c"
-#include "variables.c"
-#include "derivatives.c"
-#include "stored_state.c"
-
+/* After whatever changes what outputs and derivatives depend on. */
 static void invalidate(Component *component) {
     component->outputs_valid = false;
     component->derivatives_valid = false;
 }
 
-static char *copy_text(const char *text) {
-    const char *source = text ? text : "";
-    char *copy = malloc(strlen(source) + 1);
-    if (copy) {
-        memcpy(copy, source, strlen(source) + 1);
-    }
-    return copy;
-}
+#include "logging.c"
+#include "life_cycle.c"
+#include "refusals.c"
+#include "variables.c"
+#include "derivatives.c"
+#include "stored_state.c"
 
 static Status component_reset(Component *component) {
     State *state = &component->state;
@@ -37,106 +32,6 @@ static Status component_reset(Component *component) {
     memcpy(state->u, model_u_start, N_U * sizeof(double));
     memcpy(state->p, model_p_start, N_P * sizeof(double));
     invalidate(component);
-    return STATUS_OK;
-}
-
-static Component *component_new(const char *name, const char *token, Kind kind, LogSink sink,
-                                void *environment, void (*logger)(void), bool logging_on) {
-    Component *component = calloc(1, sizeof *component);
-    if (!component) {
-        return NULL;
-    }
-    component->name = copy_text(name);
-    component->log_sink = sink;
-    component->environment = environment;
-    component->logger = logger;
-    component->log_categories = logging_on ? LOG_EVENTS | LOG_SOLVER : 0;
-    if (!component->name) {
-        component_free(component);
-        return NULL;
-    }
-    if (!token || strcmp(token, MODEL_TOKEN) != 0) {
-        component_log(component, STATUS_ERROR, LOG_ERROR,
-                      "Instantiation refused: the token is %s, this FMU has %s.",
-                      token ? token : "NULL", MODEL_TOKEN);
-        component_free(component);
-        return NULL;
-    }
-    component->state.kind = kind;
-    component_reset(component);
-    component_log(component, STATUS_OK, LOG_EVENTS, "Instantiated for %s.",
-                  kind == KIND_CO_SIMULATION ? "co-simulation" : "model exchange");
-    return component;
-}
-
-static void component_free(Component *component) {
-    if (component) {
-        free(component->name);
-        free(component);
-    }
-}
-
-static const char *mode_name(Mode mode) {
-    switch (mode) {
-    case MODE_INSTANTIATED: return "instantiated";
-    case MODE_INITIALIZATION: return "initialization mode";
-    case MODE_EVENT: return "event mode";
-    case MODE_CONTINUOUS_TIME: return "continuous-time mode";
-    case MODE_STEP: return "step mode";
-    case MODE_FAILED: return "failed";
-    case MODE_TERMINATED: return "terminated";
-    }
-    return "unknown";
-}
-
-static Status component_check_mode(const Component *component, const char *call, int legal) {
-    if (component->state.mode & legal) {
-        return STATUS_OK;
-    }
-    return component_log(component, STATUS_ERROR, LOG_ERROR,
-                         "%s: not allowed while the instance is in the state '%s'.", call,
-                         mode_name(component->state.mode));
-}
-
-static Status component_check_kind(const Component *component, const char *call, Kind kind) {
-    if (component->state.kind == kind) {
-        return STATUS_OK;
-    }
-    return component_log(component, STATUS_ERROR, LOG_ERROR, "%s: only for %s.", call,
-                         kind == KIND_CO_SIMULATION ? "co-simulation" : "model exchange");
-}
-
-static Status component_change_mode(Component *component, const char *call, int legal, Mode next) {
-    const Status status = component_check_mode(component, call, legal);
-    if (status == STATUS_OK) {
-        component->state.mode = next;
-        component_log(component, STATUS_OK, LOG_EVENTS, "%s: entered the state '%s' at %.12g s.",
-                      call, mode_name(next), component->state.time);
-    }
-    return status;
-}
-
-static Status component_setup(Component *component, const char *call, bool tolerance_defined,
-                              double tolerance, double start_time, bool stop_time_defined,
-                              double stop_time) {
-    State *state = &component->state;
-    if (component_check_mode(component, call, MODE_INSTANTIATED) != STATUS_OK) {
-        return STATUS_ERROR;
-    }
-    if (tolerance_defined && !(tolerance > 0.0 && tolerance < 1.0)) {
-        return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the tolerance is %g, it must lie between 0 and 1.", call,
-                             tolerance);
-    }
-    if (!isfinite(start_time) || (stop_time_defined && !(stop_time >= start_time))) {
-        return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: stop time %g s does not follow start time %g s.", call,
-                             stop_time, start_time);
-    }
-    state->relative_tolerance = tolerance_defined ? tolerance : MODEL_TOLERANCE;
-    state->time = start_time;
-    state->stop_time_defined = stop_time_defined;
-    state->stop_time = stop_time_defined ? stop_time : 0.0;
     return STATUS_OK;
 }
 
@@ -155,28 +50,6 @@ static Status component_exit_initialization(Component *component, const char *ca
     }
     return component_change_mode(component, call, MODE_INITIALIZATION,
                                  stepped ? MODE_STEP : MODE_EVENT);
-}
-
-/* Times are reals that importers often accumulate; equal means equal up to that. */
-static double time_slack(double time) { return 1e-9 * (1.0 + fabs(time)); }
-
-static Status check_step(const Component *component, const char *call, double time, double step) {
-    const State *state = &component->state;
-    if (!(step > 0.0 && isfinite(step))) {
-        return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step size is %g s, it must be above 0.", call, step);
-    }
-    if (!(fabs(time - state->time) <= time_slack(time))) {
-        return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step starts at %.12g s, but the instance stands at %.12g s.",
-                             call, time, state->time);
-    }
-    if (state->stop_time_defined && time + step > state->stop_time + time_slack(time + step)) {
-        return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step ends at %.12g s, behind the stop time %.12g s.", call,
-                             time + step, state->stop_time);
-    }
-    return STATUS_OK;
 }
 
 static void solver_derivatives(const void *context, const double *x, double *dx) {

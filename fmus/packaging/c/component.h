@@ -1,5 +1,5 @@
 /* One instance of the model, without any FMI type: its state, its life cycle, its calculations.
- * fmi2.c and fmi3.c are thin layers over these functions.
+ * fmi2.c and fmi3.c are thin layers over these functions. state.h says what an instance holds.
  *
  * model.c, generated, provides
  *     FMI_VERSION, MODEL_IDENTIFIER, MODEL_TOKEN, MODEL_TOLERANCE, N_X, N_U, N_Y, N_P,
@@ -18,8 +18,6 @@
 
 #include <stdbool.h>
 #include <stddef.h>
-
-#include "rodas4.h"
 
 /* Numbered as fmi2Status and fmi3Status are. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
@@ -46,40 +44,11 @@ typedef enum { KIND_MODEL_EXCHANGE, KIND_CO_SIMULATION } Kind;
 /* Debug messages come by category and only when asked for; errors and warnings always come. */
 typedef enum { LOG_EVENTS = 1, LOG_SOLVER = 2, LOG_WARNING = 4, LOG_ERROR = 8 } Category;
 
-/* Everything that a stored FMU state must hold for a bit-equal continuation. */
-typedef struct {
-    Kind kind;
-    Mode mode;
-    bool stop_time_defined;
-    double time;
-    double stop_time;
-    double relative_tolerance;
-    double substep; /* the solver's next substep; 0 before the first */
-    double x[N_X + 1]; /* the + 1 only keeps empty arrays legal */
-    double u[N_U + 1];
-    double p[N_P + 1];
-} State;
-
 typedef struct Component Component;
 
 /* How a message leaves: the FMI layer knows the callback's type. */
 typedef void (*LogSink)(const Component *component, Status status, const char *category,
                         const char *text);
-
-struct Component {
-    State state;
-    char *name;
-    LogSink log_sink;
-    void *environment;
-    void (*logger)(void); /* the importer's callback, cast by the layer that stored it */
-    unsigned log_categories;
-    bool outputs_valid; /* y is h(x, u, p) of the present state */
-    bool derivatives_valid;
-    double dx[N_X + 1];
-    double y[N_Y + 1];
-    double solver_work[RODAS4_WORK(N_X) + 1];
-    size_t pivots[N_X + 1];
-};
 
 /* Life cycle. component_new returns NULL, with a message in the log, for a wrong token. */
 static Component *component_new(const char *name, const char *token, Kind kind, LogSink sink,

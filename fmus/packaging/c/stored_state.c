@@ -40,8 +40,7 @@ static Status component_set_stored(Component *component, const char *call, const
         return STATUS_ERROR;
     }
     memcpy(&component->state, state, sizeof(State));
-    component->outputs_valid = false;
-    component->derivatives_valid = false;
+    invalidate(component);
     return STATUS_OK;
 }
 

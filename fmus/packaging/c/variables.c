@@ -1,15 +1,5 @@
 /* Part of component.c: values by value reference, and whole vectors for model exchange. */
 
-/* Value references: time, states, derivatives, inputs, outputs, parameters. */
-enum {
-    STATE_REFERENCE = 1,
-    DERIVATIVE_REFERENCE = STATE_REFERENCE + N_X,
-    INPUT_REFERENCE = DERIVATIVE_REFERENCE + N_X,
-    OUTPUT_REFERENCE = INPUT_REFERENCE + N_U,
-    PARAMETER_REFERENCE = OUTPUT_REFERENCE + N_Y,
-    END_REFERENCE = PARAMETER_REFERENCE + N_P
-};
-
 typedef enum { TIME, STATE, DERIVATIVE, INPUT, OUTPUT, PARAMETER, UNKNOWN } VariableClass;
 
 /* The class of a variable, and its place among those of its class. */
@@ -28,20 +18,6 @@ static VariableClass classify(unsigned reference, size_t *index) {
     return UNKNOWN;
 }
 
-static Status unknown_reference(const Component *component, const char *call, unsigned reference) {
-    return component_log(component, STATUS_ERROR, LOG_ERROR,
-                         "%s: there is no real variable with value reference %u; the last is %d.",
-                         call, reference, (int)END_REFERENCE - 1);
-}
-
-/* For the getters and setters of types that no variable has. */
-static Status component_no_variable(const Component *component, const char *call,
-                                    const unsigned references[]) {
-    return component_log(component, STATUS_ERROR, LOG_ERROR,
-                         "%s: value reference %u is no variable of this type, all are real.", call,
-                         references ? references[0] : 0u);
-}
-
 static void update_outputs(Component *component) {
     if (!component->outputs_valid) {
         const State *state = &component->state;
@@ -56,10 +32,6 @@ static void update_derivatives(Component *component) {
         model_derivatives(state->x, state->u, state->p, component->dx);
         component->derivatives_valid = true;
     }
-}
-
-static Status null_argument(const Component *component, const char *call) {
-    return component_log(component, STATUS_ERROR, LOG_ERROR, "%s: an array is NULL.", call);
 }
 
 static Status component_get(Component *component, const char *call, const unsigned references[],
@@ -96,12 +68,6 @@ static Status component_get(Component *component, const char *call, const unsign
         }
     }
     return STATUS_OK;
-}
-
-static Status refuse_set(const Component *component, const char *call, unsigned reference,
-                         const char *why) {
-    return component_log(component, STATUS_ERROR, LOG_ERROR, "%s: '%s' cannot be set %s.", call,
-                         model_names[reference], why);
 }
 
 static Status check_parameter(const Component *component, const char *call, unsigned reference,
@@ -175,8 +141,7 @@ static Status component_set(Component *component, const char *call, const unsign
             break;
         }
     }
-    component->outputs_valid = false;
-    component->derivatives_valid = false;
+    invalidate(component);
     return STATUS_OK;
 }
 
@@ -202,8 +167,7 @@ static Status component_set_states(Component *component, const char *call, const
     if (n > 0) {
         memcpy(component->state.x, x, n * sizeof(double));
     }
-    component->outputs_valid = false;
-    component->derivatives_valid = false;
+    invalidate(component);
     return STATUS_OK;
 }
 

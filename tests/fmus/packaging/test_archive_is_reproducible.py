@@ -11,17 +11,17 @@ from fmpy import read_model_description
 
 from fmus.packaging import cached_fmu
 from fmus.packaging.archive import native_content, write_native_fmu
-from fmus.packaging.compiler import find_compiler
+from fmus.packaging.compiler import find_targets
 from tests.fmus.packaging.plants import hydraulic, oscillator
 
 OTHER_PROCESS = """
 import sys
 from pathlib import Path
 from fmus.packaging.archive import native_content, write_native_fmu
-from fmus.packaging.compiler import find_compiler
+from fmus.packaging.compiler import find_targets
 from fmus.packaging.portable import portable_content, write_portable_fmu
 from tests.fmus.packaging.plants import hydraulic
-write_native_fmu(native_content(hydraulic, int(sys.argv[1])), find_compiler(), Path("native.fmu"))
+write_native_fmu(native_content(hydraulic, int(sys.argv[1])), find_targets(), Path("native.fmu"))
 write_portable_fmu(portable_content(hydraulic), Path("portable.fmu"))
 """
 
@@ -48,7 +48,7 @@ def test_rebuilt_in_another_process(version: int, tmp_path: Path) -> None:
 
 
 def test_rebuilt_here(version: int, tmp_path: Path) -> None:
-    compiler = find_compiler()
+    compiler = find_targets()
     assert compiler is not None
     for name in ("a.fmu", "b.fmu"):
         write_native_fmu(native_content(oscillator, version), compiler, tmp_path / name)

@@ -32,7 +32,7 @@ def command(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
             2,
             "no variant 'pdi'; did you mean 'pid'",
         ),
-        (("build", "hybrid_actuater"), 2, "no plant 'hybrid_actuater'; did you mean"),
+        (("build", "hybrid_actuater"), 2, "no plant or controller 'hybrid_actuater'; did you mean"),
         (("build", "hybrid_actuator", "--fmi", "1"), 2, "FMI version 1 cannot be built"),
         (("info", "missing.fmu"), 1, "FMU missing.fmu is not a file"),
         (("timing", "nothing"), 2, "no experiment 'nothing'"),

@@ -132,7 +132,7 @@ def describe(
     """The model description of a mock."""
     variables = [
         variable(port.name, 10 + i, port.type, "input" if isinstance(port, Input) else "output",
-                 unit=port.unit, size=port.size or 1, dimensions=(port.size,) * bool(port.size))
+                 unit=port.unit, size=port.size or 1, shape=(port.size,) * bool(port.size))
         for i, port in enumerate((*model.inputs, *model.outputs))
     ]  # fmt: skip
     units: dict[str, Unit] = {}

@@ -1,0 +1,1 @@
+"""Taking what runs here to other tools."""

@@ -1,0 +1,175 @@
+"""Reading inputs: the columns of a CSV file, or numbers, functions and arrays from Python.
+
+An array takes one column with its elements separated by spaces, or a column an element, named
+"u[1,2]". A triggered clock takes a column of 0 and 1: it ticks at every row with a 1. Columns that
+are no inputs are left out with a note.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError, nearest
+from harness.fmi.model_description import ModelDescription, Variable
+from harness.fmi.values import flat, parse_value
+from harness.instruments.csv_signal import CsvTable, plain_name, read_csv_table
+from harness.simulation.inputs import Inputs, Track
+
+InputData = str | os.PathLike[str] | Mapping[str, Any]
+_ELEMENT = re.compile(r"^(.*)\[(\d+(?:\s*,\s*\d+)*)\]$")
+
+
+def read_inputs(
+    d: ModelDescription, data: InputData | None, notes: list[str], count: Callable[[Variable], int]
+) -> Inputs:
+    """The inputs that `data` stands for: the path of a CSV file, or a mapping from names to
+    numbers, functions of time, or pairs (times, values). `count` gives the sizes of arrays."""
+    if data is None:
+        return Inputs()
+    if isinstance(data, (str, os.PathLike)):
+        return Inputs(_from_table(d, read_csv_table(Path(data), as_text=True), notes, count))
+    return Inputs([_from_python(_input(d, name), value, count) for name, value in data.items()])
+
+
+def _input(d: ModelDescription, name: str) -> Variable:
+    variable = d.variables.get(name)
+    if variable is None or not settable(variable):
+        legal = [v.name for v in d.variables.values() if settable(v)]
+        what = "there is none in the FMU" if variable is None else f"it is {_role(variable)}"
+        raise UsageError(
+            f"{name!r} cannot be given over time: {what}; inputs and tunable parameters can: "
+            f"{nearest(name, legal)}"
+        )
+    return variable
+
+
+def settable(v: Variable) -> bool:
+    """Whether a variable may change during the run by the user's will."""
+    tunable = v.variability == "tunable" and v.causality in ("parameter", "structuralParameter")
+    return v.causality == "input" or (tunable and v.causality == "parameter")
+
+
+def _role(v: Variable) -> str:
+    return f"a {v.variability} {v.causality}" if v.causality != "output" else "an output"
+
+
+def _from_python(v: Variable, value: Any, count: Callable[[Variable], int]) -> Track:
+    if callable(value):
+        return Track(v, function=value)
+    if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1:
+        times = tuple(float(t) for t in value[0])
+        rows = tuple(tuple(flat(row)) for row in value[1])
+        if len(times) != len(rows) or not times:
+            raise UsageError(
+                f"input {v.name!r} has {len(times)} times and {len(rows)} values; as many of both "
+                "are needed, and at least one"
+            )
+        _check_times(f"input {v.name!r}", times)
+    else:
+        times, rows = (0.0,), (tuple(flat(value)),)
+    needed = count(v)
+    short = next((row for row in rows if len(row) != needed), None)
+    if short is not None:
+        raise UsageError(
+            f"input {v.name!r} has {needed} element(s), but a row of {len(short)} was given"
+        )
+    return Track(v, times, rows)
+
+
+def _check_times(what: str, times: Sequence[float]) -> None:
+    values: NDArray[np.float64] = np.asarray(times, dtype=np.float64)
+    if not np.all(np.isfinite(values)):
+        raise UsageError(f"{what} has a time that is not finite")
+    back = np.flatnonzero(np.diff(values) < 0)
+    if back.size:
+        i = int(back[0])
+        raise UsageError(
+            f"{what}: time goes back from {times[i]!r} s to {times[i + 1]!r} s; times must not "
+            "decrease"
+        )
+
+
+def _from_table(
+    d: ModelDescription, table: CsvTable, notes: list[str], count: Callable[[Variable], int]
+) -> list[Track]:
+    times = time_column(table)
+    columns: dict[str, list[Any]] = {}
+    elements: dict[str, dict[int, list[Any]]] = {}
+    for index, header in enumerate(table.names):
+        name = header if header in d.variables else plain_name(header)
+        if index == _time_index(table) or name.lower() == "time":
+            continue
+        cells = table.columns.column(index).to_pylist()
+        found = d.variables.get(name)
+        match = _ELEMENT.match(name)
+        if found is None and match and match[1] in d.variables:
+            v = _input(d, match[1])
+            place = _place(v, match[2], count)
+            elements.setdefault(v.name, {})[place] = [_cell(table, v, c, 1)[0] for c in cells]
+        elif found is None or not settable(found):
+            role = "no variable of the FMU" if found is None else _role(found)
+            notes.append(f"column {header!r} of {table.path} is left out: it is {role}")
+        else:
+            columns[name] = [_cell(table, found, cell, count(found)) for cell in cells]
+    for name, parts in elements.items():
+        needed = count(d.variables[name])
+        if set(parts) != set(range(needed)):
+            raise UsageError(
+                f"{table.path} has {len(parts)} columns for {name!r}, which has {needed} elements"
+            )
+        columns[name] = list(zip(*(parts[i] for i in range(needed)), strict=True))
+    if not columns:
+        raise UsageError(
+            f"{table.path} has no column for an input or a tunable parameter of {d.name}"
+        )
+    return [Track(d.variables[n], times, tuple(map(tuple, rows))) for n, rows in columns.items()]
+
+
+def _place(v: Variable, text: str, count: Callable[[Variable], int]) -> int:
+    sizes = [size for size in v.dimensions if isinstance(size, int)]
+    index = [int(one) - 1 for one in text.split(",")]
+    if len(index) == 1:
+        return index[0]
+    if len(sizes) != len(index):
+        raise UsageError(
+            f"elements of {v.name!r} cannot be given by column, since its sizes are structural "
+            "parameters; give one column with the elements separated by spaces"
+        )
+    return int(np.ravel_multi_index(index, sizes))
+
+
+def _cell(table: CsvTable, v: Variable, cell: str | None, count: int) -> Sequence[Any]:
+    if cell is None or (not cell.strip() and v.type not in ("String", "Binary")):
+        raise UsageError(f"{table.path}: column {v.name!r} has an empty cell")
+    if count == 1 and not v.dimensions:
+        return (parse_value(v, cell),)
+    return flat(parse_value(v, cell.strip(), count))
+
+
+def _time_index(table: CsvTable) -> int:
+    for index, name in enumerate(table.names):
+        if plain_name(name).lower() == "time":
+            return index
+    raise UsageError(
+        f"{table.path} has no column 'time', only {', '.join(map(repr, table.names[:12]))}"
+    )
+
+
+def time_column(table: CsvTable) -> tuple[float, ...]:
+    """The times (s) of a table that was read as text; raises `UsageError`."""
+    cells = table.columns.column(_time_index(table)).to_pylist()
+    try:
+        times = tuple(float(cell) for cell in cells)
+    except (TypeError, ValueError) as fault:
+        raise UsageError(f"{table.path}: a cell of the column 'time' is no number") from fault
+    if not times:
+        raise UsageError(f"{table.path} has a header but no rows of values")
+    _check_times(str(table.path), times)
+    return times

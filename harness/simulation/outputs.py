@@ -1,0 +1,231 @@
+"""What a simulation records: the selected variables, all types, arrays element by element.
+
+Numbers keep their own type until they are asked for: 64-bit integers beyond 2^53 stay exact in
+`SimulationResult[...]` and in the CSV file, though the columns of a Result are float64. Strings
+and binaries (hexadecimal) are kept as text beside the numbers. Arrays become columns `a[1,2]`,
+counted from 1 in row-major order.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import UsageError, nearest
+from harness.fmi.groups import grouped
+from harness.fmi.instance import FmuInstance
+from harness.fmi.model_description import ModelDescription, Variable
+from harness.fmi.values import flat, native_dtype
+from harness.results.columns import Column
+from harness.results.manifest import Manifest
+from harness.results.result import Result
+
+Content = tuple[list[float], list[list[Any]], dict[str, list[Any]]]
+_TEXT_TYPES = ("String", "Binary")
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationResult(Result):
+    """A `Result` of one FMU with what does not fit in float64.
+
+    `texts` holds strings and binaries (hexadecimal) by column, `exact` the numbers in their own
+    type, `order` all columns in the order of the file, `notes` what the run had to derive or
+    leave out.
+    """
+
+    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    exact: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    order: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> Any:
+        """The values of one recorded name in their own type, shape (n,), or "time"."""
+        if name in self.texts:
+            return np.array(self.texts[name], dtype=np.str_)
+        if name in self.exact:
+            return self.exact[name]
+        return super().__getitem__(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether `name` was recorded."""
+        return name in self.texts or super().__contains__(name)
+
+
+def select(d: ModelDescription, patterns: Sequence[str] | None) -> tuple[Variable, ...]:
+    """The variables to record: those that match one of `patterns` (exact names, or with * and
+    ?), or the outputs, or the states of an FMU without outputs, or else its local variables.
+    Raises `UsageError` for a pattern that matches nothing."""
+    kept = [v for v in d.variables.values() if v.causality != "independent"]
+    if patterns is None:
+        states = {name for name, _ in d.states}
+        for chosen in (
+            [v for v in kept if v.causality == "output"],
+            [v for v in kept if v.name in states],
+            [v for v in kept if v.causality == "local" and v.variability != "constant"],
+        ):
+            if chosen:
+                return tuple(chosen)
+        return tuple(kept)
+    found: dict[str, Variable] = {}
+    for pattern in patterns:
+        exact = d.variables.get(pattern)
+        matching = [exact] if exact is not None else _matching(kept, pattern)
+        if not matching:
+            raise UsageError(
+                f"nothing to record matches {pattern!r}: {nearest(pattern, [v.name for v in kept])}"
+            )
+        found |= {v.name: v for v in matching if v.causality != "independent"}
+    return tuple(found.values())
+
+
+def _matching(variables: Sequence[Variable], pattern: str) -> list[Variable]:
+    literal = pattern.replace("[", "[[]")  # brackets are part of names here
+    return [v for v in variables if fnmatch.fnmatchcase(v.name, literal)]
+
+
+def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
+    """The names of the columns of a variable: its own, or one for each element."""
+    if not shape:
+        return [name]
+    places = itertools.product(*(range(1, size + 1) for size in shape))
+    return [f"{name}[{','.join(map(str, place))}]" for place in places]
+
+
+@dataclass
+class Rows:
+    """Rows as they were read: a block of numbers or texts for each group of variables. It holds
+    nothing of an instance, so it may go to another process."""
+
+    variables: tuple[Variable, ...]
+    shapes: dict[str, tuple[int, ...]]
+    places: list[dict[str, slice]]
+    times: list[float] = field(default_factory=list)
+    blocks: list[list[Any]] = field(default_factory=list)
+    clocked: dict[str, list[Any]] = field(default_factory=dict)
+
+    def take(self) -> Rows:
+        """What is there so far, and nothing of it is kept."""
+        taken = replace(self)
+        self.times = []
+        self.blocks = [[] for _ in self.blocks]
+        self.clocked = {name: [] for name in self.clocked}
+        return taken
+
+    @property
+    def content(self) -> Content:
+        """The rows without what is the same for all of them."""
+        return self.times, self.blocks, self.clocked
+
+    def extend(self, more: Content) -> None:
+        """Append rows of the same variables."""
+        times, blocks, clocked = more
+        self.times += times
+        for mine, theirs in zip(self.blocks, blocks, strict=True):
+            mine += theirs
+        for name, values in clocked.items():
+            self.clocked[name] += values
+
+    def result(self, manifest: Manifest, notes: Sequence[str]) -> SimulationResult:
+        """The rows as a result."""
+        columns, numbers, texts, exact, order = [], [], {}, {}, []
+        for v, name, values in self._columns():
+            order.append(name)
+            if v.type in _TEXT_TYPES:
+                texts[name] = tuple(one.hex() if isinstance(one, bytes) else one for one in values)
+                continue
+            own = np.array(values, dtype=native_dtype(v))
+            own.flags.writeable = False
+            if own.dtype != np.float64:
+                exact[name] = own
+            columns.append(Column(name, v.unit or "1", v.description))
+            numbers.append(own.astype(np.float64))
+        time = np.array(self.times, dtype=np.float64)
+        notes = [*notes, *_not_finite(time, columns, numbers)]
+        data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
+        return SimulationResult(
+            tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
+            notes=tuple(notes),
+        )  # fmt: skip
+
+    def _columns(self) -> Iterator[tuple[Variable, str, Sequence[Any]]]:
+        """Variable, column name and values, in the order in which variables were selected."""
+        for v in self.variables:
+            names = element_names(v.name, self.shapes[v.name])
+            if v.name in self.clocked:
+                rows, first = [flat(row) for row in self.clocked[v.name]], 0
+            else:
+                at = next(i for i, places in enumerate(self.places) if v.name in places)
+                rows, first = self.blocks[at], self.places[at][v.name].start
+            for index, name in enumerate(names, start=first):
+                yield v, name, [row[index] for row in rows]
+
+
+class Recorder:
+    """Reads the selected variables of an instance, row by row; `rows` holds them."""
+
+    def __init__(self, instance: FmuInstance, variables: Sequence[Variable]) -> None:
+        """Bind the variables. Clocks, and what depends on a clock, are read when it ticks."""
+        self.instance = instance
+        self._clocked = [v for v in variables if v.type == "Clock" or v.details.clocks]
+        self._groups = grouped(instance, [v for v in variables if v not in self._clocked])
+        self._held: dict[str, Any] = {v.name: _before_first_tick(v) for v in self._clocked}
+        self.last: float | None = None
+        self.rows = Rows(
+            tuple(variables),
+            {v.name: instance.shape(v) for v in variables},
+            [group.places for group in self._groups],
+            blocks=[[] for _ in self._groups],
+            clocked={v.name: [] for v in self._clocked},
+        )
+
+    @property
+    def clocked_names(self) -> set[str]:
+        """The recorded variables that depend on clocks, and the recorded clocks."""
+        return {v.name for v in self._clocked}
+
+    def hold(self, active: Mapping[str, bool]) -> None:
+        """Read what depends on the clocks that are active now; to be called in event mode."""
+        for v in self._clocked:
+            if v.type == "Clock":
+                self._held[v.name] = active.get(v.name, False)
+            elif any(active.get(clock, False) for clock in v.details.clocks):
+                self._held[v.name] = self.instance.get(v.name)
+
+    def record(self, time: float) -> None:
+        """Read and keep a row at `time` (s)."""
+        read = [group.read() for group in self._groups]
+        self.last = time
+        self.rows.times.append(time)
+        for block, values in zip(self.rows.blocks, read, strict=True):
+            block.append(values)
+        for v in self._clocked:
+            self.rows.clocked[v.name].append(self._held[v.name])
+            if v.type == "Clock":  # a tick is one row
+                self._held[v.name] = False
+
+
+def _not_finite(
+    time: NDArray[np.float64], columns: Sequence[Column], numbers: Sequence[NDArray[np.float64]]
+) -> Iterator[str]:
+    for column, values in zip(columns, numbers, strict=True):
+        odd = np.flatnonzero(~np.isfinite(values))
+        if odd.size:
+            at, value = time[odd[0]], values[odd[0]]
+            yield f"{column.name} is {value} at t = {at:.9g} s, the first of {odd.size} such rows"
+
+
+def _before_first_tick(v: Variable) -> Any:
+    if v.type == "Clock":
+        return False
+    blank: Any = "" if v.type == "String" else b"" if v.type == "Binary" else 0
+    try:
+        start = float(v.start) if v.start is not None and blank == 0 else blank
+    except ValueError:
+        start = blank
+    return [start] * v.size

@@ -1,0 +1,86 @@
+"""What the description of a controller's FMU says: clock, units, no feedthrough, all states."""
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from controllers.block import Block, Signal
+from harness.errors import FmuError
+from harness.export.controller import controller_fmu, identifier
+from tests.harness.export.blocks import counter, counter_step, pid
+
+
+def described(path: Path) -> Any:
+    return read_model_description(str(path))
+
+
+def root(path: Path) -> etree._Element:
+    with zipfile.ZipFile(path) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml"))
+
+
+@pytest.mark.parametrize("block", [counter(), pid()], ids=["counter", "pid"])
+def test_the_validator_is_silent(block: Block, version: int) -> None:
+    assert validate_fmu(str(controller_fmu(block, "block", 0.01, version))) == []
+
+
+def test_every_variable_with_its_role(version: int) -> None:
+    variables = described(controller_fmu(counter(), "block", 0.01, version)).modelVariables
+    assert [(v.name, v.causality, v.variability, v.start, v.unit) for v in variables] == [
+        ("time", "independent", "continuous", None, "s"),
+        ("u", "input", "continuous", "0.25", "m"),
+        ("count", "output", "discrete", "-1.0", "1"),
+        ("echo", "output", "discrete", "-2.0", "m"),
+        ("parameters.increment", "parameter", "tunable", "1.0", None),
+        ("parameters.unused", "local", "constant", "1.7976931348623157e+308", None),
+        ("state.count", "local", "discrete", "0.0", None),
+    ]
+
+
+def test_outputs_depend_on_no_input(version: int) -> None:
+    outputs = described(controller_fmu(counter(), "block", 0.01, version)).outputs
+    assert [(o.variable.name, o.dependencies) for o in outputs] == [("count", []), ("echo", [])]
+
+
+def test_clock_and_capabilities(version: int) -> None:
+    path = controller_fmu(counter(), "block", 0.01, version, description="A counter.")
+    description = described(path)
+    assert description.modelExchange is None
+    assert description.coSimulation.canHandleVariableCommunicationStepSize
+    assert description.defaultExperiment.stepSize == "0.01"
+    assert description.description.startswith("A counter. Computes every 0.01 s")
+    if version == 3:
+        (interface,) = root(path).iter("CoSimulation")
+        assert interface.get("fixedInternalStepSize") == "0.01"
+
+
+def test_there_are_no_sources_but_what_it_was_made_from(version: int) -> None:
+    with zipfile.ZipFile(controller_fmu(counter(), "block", 0.01, version)) as archive:
+        names = archive.namelist()
+    assert not [name for name in names if name.startswith("sources/")]
+    assert {"extra/fmu-harness.build/step.ll", "extra/fmu-harness.build/all.c"} <= set(names)
+
+
+def test_extra_files_of_the_caller_are_added(version: int) -> None:
+    def size(path: Path) -> dict[str, bytes]:
+        return {"certificate.txt": f"{validate_fmu(str(path))}".encode()}
+
+    path = controller_fmu(counter(), "block", 0.01, version, extra=size)
+    with zipfile.ZipFile(path) as archive:
+        assert archive.read("extra/certificate.txt") == b"[]"
+
+
+def test_names_that_no_fmu_can_carry_are_refused() -> None:
+    block = Block((Signal("a"),), (Signal("a"), Signal("b")), counter_step)
+    with pytest.raises(FmuError, match="'a' is given to more than one variable"):
+        controller_fmu(block, "block", 0.01)
+
+
+def test_a_name_becomes_an_identifier() -> None:
+    assert identifier("my-controller 2") == "my_controller_2"
+    assert identifier("2nd") == "_2nd"
