@@ -191,15 +191,19 @@ class Bench:
         delay: float = 0.0,
         extrapolation: int = 0,
         imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
+        factor: float = 1.0,
+        offset: float = 0.0,
+        convert_units: bool = True,
         **named: Mapping[str, Any],
     ) -> None:
         """A wire from `component.output` to `component.input`; arrays of equal dimensions whole, or
         an element of one, as in "plant.pressure[2]".
 
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
-        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. From FMU to
-        FMU, `extrapolation=1` takes the value to change linearly during a step instead of
-        holding it.
+        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. What arrives
+        is `factor` · value + `offset`, the value being converted to the target's unit first
+        unless `convert_units` is off. From FMU to FMU, `extrapolation=1` takes the value to change
+        linearly during a step instead of holding it.
         """
         with _named(f"connection {source} -> {target}"):
             put = [_imperfection(one) for one in imperfections]
@@ -212,6 +216,9 @@ class Bench:
                 to_nanoseconds(delay, label),
                 tuple(put),
                 extrapolation,
+                factor,
+                offset,
+                convert_units,
             )
         )
 

@@ -22,6 +22,7 @@ FLOORS = (
     "harness.bench",
     "harness.experiment",
     "harness.export",
+    "harness.ssp",
     "harness.cli",
 )
 

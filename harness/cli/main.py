@@ -13,6 +13,7 @@ import typer
 from harness.cli import (
     build,
     doctor,
+    export,
     info,
     listing,
     reproduce,
@@ -37,6 +38,7 @@ app.command("list")(listing.list_command)
 app.command("run")(run.run_command)
 app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
+app.command("export")(export.export_command)
 app.command("simulate")(simulate.simulate_command)
 app.command("info")(info.info_command)
 app.command("doctor")(doctor.doctor_command)

@@ -11,10 +11,10 @@ import typer
 from rich.progress import Progress, TaskID
 
 from harness import registry
+from harness.cli.experiments import opened_experiment
 from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
-from harness.cli.values import settings
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 
 def run_command(
-    experiment: Annotated[str, typer.Argument(help="Name (see `list`) or path of a TOML file")],
+    experiment: Annotated[
+        str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
+    ],
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
     ] = None,
@@ -39,10 +41,7 @@ def run_command(
     fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
-    from harness.experiment.experiment import Experiment
-
-    with notices():
-        loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
+    with notices(), opened_experiment(experiment, set_ or []) as loaded:
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
@@ -62,7 +61,7 @@ def run_command(
 def _run(
     loaded: Experiment, variants: tuple[str, ...], folder: Path, echo: Echo | None
 ) -> Iterator[Path]:
-    from harness.experiment.report import metrics_table, write_report
+    from harness.experiment.report import metrics_table, signals_table, write_report
 
     results, faults = {}, {}
     with bar() as shown:
@@ -76,7 +75,8 @@ def _run(
                     raise
                 faults[name] = fault
                 results[name] = fault.result
-    console().print(metrics_table(loaded, results))
+    judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
+    console().print(metrics_table(loaded, results) if judged else signals_table(loaded, results))
     yield from write_report(loaded, results, folder)
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))

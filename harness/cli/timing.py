@@ -9,10 +9,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from harness import registry
+from harness.cli.experiments import opened_experiment
 from harness.cli.notices import notices
 from harness.cli.terminal import console
-from harness.cli.values import settings
 from harness.clock import show
 
 if TYPE_CHECKING:
@@ -24,7 +23,9 @@ _SHOWN = 60  # lines of the schedule
 
 
 def timing_command(
-    experiment: Annotated[str, typer.Argument(help="Name (see `list`) or path of a TOML file")],
+    experiment: Annotated[
+        str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
+    ],
     variant: Annotated[str | None, typer.Option(help="Variant; the first when absent")] = None,
     set_: Annotated[
         list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
@@ -33,11 +34,9 @@ def timing_command(
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.execution.run import opened, plan_system
     from harness.execution.timing import measure_delays
-    from harness.experiment.experiment import Experiment
 
     out = console()
-    with notices():
-        loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
+    with notices(), opened_experiment(experiment, set_ or []) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:

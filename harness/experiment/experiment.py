@@ -44,7 +44,7 @@ class Experiment:
     def load(cls, path: str | Path, settings: Mapping[str, Any] | None = None) -> Self:
         """Read a file and merge `settings` into it, table by table; raises `ExperimentError`."""
         path = Path(path)
-        return cls.from_data(_merge(_read(path), settings or {}), path)
+        return cls.from_data(merge(_read(path), settings or {}), path)
 
     @classmethod
     def from_data(cls, data: Table, path: Path) -> Self:
@@ -65,7 +65,7 @@ class Experiment:
             settings["study"] = {"seeds": study.fast.seeds}
         if sweep is not None and sweep.fast is not None:
             settings["sweep"] = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
-        return self.from_data(_merge(self.data, settings), self.path) if settings else self
+        return self.from_data(merge(self.data, settings), self.path) if settings else self
 
     @property
     def name(self) -> str:
@@ -91,7 +91,9 @@ class Experiment:
                 f"{self.path}: no variant {variant!r}; {nearest(variant, self.variants)}"
             )
         changes = self._changes(variant)
-        merged = _merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
+        merged = changes
+        if not changes.pop("whole", False):
+            merged = merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
         return _checked(merged, self.path, f"variants.{variant}")
 
     def _changes(self, variant: str, depth: int = 0) -> Table:
@@ -104,7 +106,7 @@ class Experiment:
         if like not in self.spec.variants or depth >= _DEEPEST:
             hint = nearest(str(like), [name for name in self.variants if name != variant])
             raise ExperimentError(f"{self.path}: key variants.{variant}.like {like!r}: {hint}")
-        return _merge(self._changes(like, depth + 1), changes, whole=False)
+        return merge(self._changes(like, depth + 1), changes, whole=False)
 
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
         """The bench of a variant, with another `seed` if given."""
@@ -139,12 +141,10 @@ class Experiment:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
         for target, wire in spec.connections.items():
             bench.connect(
-                wire.source,
-                target,
-                delay=wire.delay,
-                extrapolation=wire.extrapolation,
-                imperfections=wire.imperfections,
-            )
+                wire.source, target, delay=wire.delay, extrapolation=wire.extrapolation,
+                imperfections=wire.imperfections, factor=wire.factor, offset=wire.offset,
+                convert_units=wire.convert_units,
+            )  # fmt: skip
 
     def _with_paths(self, parameters: Table) -> Table:
         """CSV files are named relative to the experiment file."""
@@ -245,7 +245,7 @@ class PreparedVariant:
         """The experiment as it is run, for the manifest."""
         resolved = self._dumped | {"variant": self._variant}
         changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
-        return _merge(resolved, {"components": changed}) if changed else resolved
+        return merge(resolved, {"components": changed}) if changed else resolved
 
     @cached_property
     def _dumped(self) -> Table:
@@ -281,17 +281,17 @@ def _read(path: Path, depth: int = 0) -> Table:
             f"{path}: key extends: must name one other file, in a chain of at most {_DEEPEST}, "
             f"not {base!r}"
         )
-    return _merge(_read(path.parent / base, depth + 1), data)
+    return merge(_read(path.parent / base, depth + 1), data)
 
 
-def _merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Table:
+def merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Table:
     """`base` with `changes`: tables are merged, everything else is replaced. A component that
     becomes another one is replaced as a `whole`, so that no parameters of the old one remain."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
         old = merged.get(key)
         if isinstance(value, dict) and isinstance(old, dict) and not (whole and _other(old, value)):
-            merged[key] = _merge(old, value, whole=whole)
+            merged[key] = merge(old, value, whole=whole)
         else:
             merged[key] = copy.deepcopy(value)
     return merged

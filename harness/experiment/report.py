@@ -51,6 +51,23 @@ def metrics_table(experiment: Experiment, results: Results) -> Table:
     return table
 
 
+def signals_table(experiment: Experiment, results: Results) -> Table:
+    """One row a signal and variant, for experiments without metrics: how far it went."""
+    table = Table(title="recorded signals", title_justify="left", box=box.SIMPLE_HEAD)
+    for heading in ("variant", "signal", "unit"):
+        table.add_column(heading)
+    for heading in ("first", "least", "greatest", "last"):
+        table.add_column(heading, justify="right")
+    for variant, result in results.items():
+        for name in result.names:
+            values = result[name]
+            if len(values):
+                figures = (values[0], values.min(), values.max(), values[-1])
+                cells = [f"{one:.6g}" for one in figures]
+                table.add_row(experiment.label(variant), name, result.unit(name), *cells)
+    return table
+
+
 def show(name: str, value: float | None) -> str:
     """A figure in four digits, or "–"; in words whether the loop was lost."""
     if value is None:

@@ -77,13 +77,17 @@ ComponentSpec = Annotated[
 
 class ConnectionSpec(Strict):
     """What comes into an input: `from` a port, put on the wire `imperfections` (tables with a
-    `kind`), then a `delay` in seconds; `extrapolation` 1 from FMU to FMU. A plain string is the
-    port alone."""
+    `kind`), then a `delay` in seconds; `extrapolation` 1 from FMU to FMU. It arrives as `factor` ·
+    value + `offset`, after the conversion of units unless `convert_units` is off. A plain string
+    is the port alone."""
 
     source: str = Field(alias="from")
     delay: float = 0.0
     extrapolation: Literal[0, 1] = 0
     imperfections: tuple[dict[str, Any], ...] = ()
+    factor: float = 1.0
+    offset: float = 0.0
+    convert_units: bool = True
 
     @model_validator(mode="before")
     @classmethod
@@ -93,11 +97,13 @@ class ConnectionSpec(Strict):
 
 class VariantSpec(BaseModel):
     """What a variant changes: any part of the file, merged table by table. `like` names another
-    variant whose changes it takes over first."""
+    variant whose changes it takes over first. One that is `whole` takes over nothing, and states
+    all of it."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     label: str | None = None
     like: str | None = None
+    whole: bool = False
 
 
 class MeasureSpec(Strict):

@@ -15,7 +15,7 @@ import weakref
 import zipfile
 import zlib
 from pathlib import Path, PurePosixPath
-from typing import Self
+from typing import ClassVar, Self
 
 from harness.errors import FmuError
 from harness.fmi.temporary import make_folder
@@ -32,6 +32,9 @@ MAX_MEMBERS = 100_000
 
 class Archive:
     """An unpacked FMU: `folder` holds its files, `sha256` is the hash of the archive."""
+
+    ROOT: ClassVar[str] = "modelDescription.xml"
+    """The document at the root without which the archive is none of this kind."""
 
     def __init__(self, path: Path) -> None:
         """Check and unpack `path`; raises `FmuError` when it is missing, broken or hostile."""
@@ -55,8 +58,8 @@ class Archive:
                 archive.extractall(self.folder)
         except _BROKEN as fault:
             raise FmuError(f"FMU {self.path} cannot be unpacked: {fault}") from fault
-        if not (self.folder / "modelDescription.xml").is_file():
-            raise FmuError(f"FMU {self.path} has no modelDescription.xml at its root")
+        if not (self.folder / self.ROOT).is_file():
+            raise FmuError(f"FMU {self.path} has no {self.ROOT} at its root")
 
     def close(self) -> None:
         """Remove the unpacked files."""

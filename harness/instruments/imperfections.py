@@ -32,6 +32,7 @@ from harness.instruments.checks import (
 from harness.instruments.noise import UniformNoise, WhiteNoise
 from harness.instruments.signals import with_signals
 from harness.instruments.source import SignalSource
+from harness.instruments.value_map import ValueMap
 from harness.system.block import KernelBlock, Port, StepFunction
 
 LONGEST_DELAY = 1_000_000  # readings, 8 MB of state
@@ -296,6 +297,7 @@ _KINDS: tuple[type[Any], ...] = (
     DelaySamples,
     Dropout,
     Lag,
+    ValueMap,
 )
 
 IMPERFECTIONS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from harness.clock import show
 from harness.errors import GraphError, UnitError, nearest
@@ -147,11 +148,16 @@ def _wire_faults(
     if connection.delay_ns < 0:
         yield f"{label}: delay {show(connection.delay_ns)} is negative"
     if len(infos) == 2:
-        yield from _type_faults(label, infos[0], infos[1])
+        yield from _type_faults(label, infos[0], infos[1], connection.convert_units)
         yield from _extrapolation_faults(label, system, connection, infos)
+        if not (isfinite(connection.factor) and isfinite(connection.offset)):
+            numbers = f"factor {connection.factor} and offset {connection.offset}"
+            yield f"{label}: {numbers} must be finite"
 
 
-def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str]:
+def _type_faults(
+    label: str, source: PortInfo, target: PortInfo, convert_units: bool
+) -> Iterator[str]:
     if "[" in source.type + target.type:
         yield (
             f"{label}: {source.type} to {target.type}: arrays are wired whole where their "
@@ -162,6 +168,8 @@ def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str
         if info.type not in NUMERIC_TYPES:
             yield f"{label}: type {info.type} cannot be wired; numbers and booleans can"
             return
+    if not convert_units:
+        return
     try:
         conversion(source.unit, target.unit)
     except UnitError as fault:

@@ -113,6 +113,8 @@ class Endpoint:
 class Connection:
     """A wire: what is put on it, in order, then a delay after which the value arrives.
 
+    It arrives as `factor` · value + `offset`, the value being converted to the unit of the target
+    first, unless `convert_units` is off.
     `extrapolation` is the order of what an FMU sees of another one during a step: 0 holds the
     value, 1 takes it to change linearly (see `execution.master`).
     """
@@ -122,6 +124,9 @@ class Connection:
     delay_ns: int = 0
     imperfections: tuple[Imperfection, ...] = ()
     extrapolation: int = 0
+    factor: float = 1.0
+    offset: float = 0.0
+    convert_units: bool = True
 
 
 @dataclass(frozen=True)

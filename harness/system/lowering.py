@@ -13,6 +13,7 @@ The components made here are named after the wire's target: "controller.measured
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from harness.clock import to_seconds
 from harness.instruments.imperfections import Imperfection
@@ -28,7 +29,7 @@ from harness.system.graph import (
     SignalComponent,
     System,
 )
-from harness.system.units import conversion
+from harness.system.units import Unit, conversion, exact_conversion
 
 
 @dataclass(frozen=True)
@@ -102,13 +103,28 @@ def lower(system: System, descriptions: Descriptions) -> LoweredSystem:
             chain.add_delay(connection.delay_ns)
         source = outputs_of(system.component(connection.source.component), descriptions)
         target = inputs_of(system.component(connection.target.component), descriptions)
-        factor, offset = conversion(
-            source[connection.source.variable].unit, target[connection.target.variable].unit
+        factor, offset = _arithmetic(
+            connection,
+            source[connection.source.variable].unit,
+            target[connection.target.variable].unit,
         )
         linear = connection.extrapolation == 1
         components += chain.made
         wires += [*chain.wires, Wire(chain.end, connection.target, factor, offset, linear)]
     return LoweredSystem(system, tuple(components), tuple(wires))
+
+
+def _arithmetic(
+    connection: Connection, source: Unit | None, target: Unit | None
+) -> tuple[float, float]:
+    """Factor and offset of the conversion of units and of the connection, in one."""
+    if not connection.convert_units:
+        return connection.factor, connection.offset
+    if (connection.factor, connection.offset) == (1.0, 0.0):
+        return conversion(source, target)
+    unit_factor, unit_offset = exact_conversion(source, target)
+    factor = Fraction(connection.factor)
+    return float(factor * unit_factor), float(factor * unit_offset + Fraction(connection.offset))
 
 
 class _Chain:

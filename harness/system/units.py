@@ -13,6 +13,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from harness.errors import UnitError
 
@@ -107,7 +108,21 @@ def conversion(source: Unit | None, target: Unit | None) -> tuple[float, float]:
             f"unit {source.name!r} ({_dimension(source)}) cannot be converted to {target.name!r} "
             f"({_dimension(target)})"
         )
+    if target.factor == 0.0:
+        raise UnitError(f"unit {target.name!r} has the factor 0, so nothing converts to it")
     return source.factor / target.factor, (source.offset - target.offset) / target.factor
+
+
+def exact_conversion(source: Unit | None, target: Unit | None) -> tuple[Fraction, Fraction]:
+    """`conversion` as fractions that are exact in the units' own numbers; raises `UnitError`."""
+    judged = conversion(source, target)
+    if source is None or target is None or judged == (1.0, 0.0):
+        return Fraction(1), Fraction(0)
+    numbers = (source.factor, source.offset, target.factor, target.offset)
+    if not all(map(math.isfinite, numbers)):
+        raise UnitError(f"unit {source.name!r} or {target.name!r} has an infinite factor or offset")
+    f_s, o_s, f_t, o_t = map(Fraction, numbers)
+    return f_s / f_t, (o_s - o_t) / f_t
 
 
 def _dimension(unit: Unit) -> str:

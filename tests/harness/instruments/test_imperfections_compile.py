@@ -21,6 +21,7 @@ EXAMPLES: list[tuple[str, dict[str, Any]]] = [
     ("dropout", {"probability": 0.4}),
     ("dropout", {"probability": 0.4, "mode": "zero"}),
     ("lag", {"time_constant": 0.07}),
+    ("value_map", {"table": [[0.0, 2.0], [5e-324, -1.0], [1.0, 0.5]]}),
 ]
 ODD = [0.0, -0.0, 5e-324, 1e308, -1e308, np.inf, -np.inf, np.nan]
 

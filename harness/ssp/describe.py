@@ -1,0 +1,130 @@
+"""FMUs in the words of a system description: connectors, units and start values."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from harness.errors import ExperimentError, nearest
+from harness.fmi.model_description import (
+    INTEGER_TYPES,
+    REAL_TYPES,
+    ModelDescription,
+    Variable,
+)
+from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinition
+from harness.ssp.document import Connector, ParameterBinding
+from harness.ssp.lexical import write_boolean, write_double
+from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
+from harness.system.units import Unit, parse_unit
+
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+class Units:
+    """Gathers the units that a description names; units of one name must mean the same."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Unit] = {}
+
+    def name(self, name: str | None, defined: Mapping[str, Unit]) -> str | None:
+        """The name to state, None where nothing defines the unit; raises `ExperimentError`."""
+        unit = parse_unit(name, defined) if name else None
+        if unit is None or unit.exponents is None:
+            return None
+        known = self._known.setdefault(unit.name, unit)
+        if (known.exponents, known.factor, known.offset) != (
+            unit.exponents, unit.factor, unit.offset,
+        ):  # fmt: skip
+            raise ExperimentError(f"two FMUs define the unit {unit.name!r} differently")
+        return unit.name
+
+    def definitions(self) -> tuple[UnitDefinition, ...]:
+        """All units named so far."""
+        return tuple(_definition(unit) for unit in self._known.values())
+
+
+def _definition(unit: Unit) -> UnitDefinition:
+    exponents: dict[str, Any] = dict(zip(_BASE, unit.exponents or (0,) * 8, strict=True))
+    base = BaseUnit(**exponents, factor=unit.factor, offset=unit.offset)
+    return UnitDefinition(name=unit.name, base=base)
+
+
+def connectors(
+    description: ModelDescription, used: Collection[str], version: str, units: Units
+) -> tuple[Connector, ...]:
+    """Connectors for the inputs and outputs of an FMU, and for other variables that are `used`."""
+    return tuple(
+        Connector(
+            name=v.name,
+            kind=v.causality if v.causality != "independent" else "local",
+            description=v.description or None,
+            type=_type(v, description, version, units),
+            dimensions=(Dimension(size=v.size),) if v.size > 1 and version != "1.0" else (),
+        )
+        for v in description.variables.values()
+        if v.causality in ("input", "output") or v.name in used
+    )
+
+
+def _type(v: Variable, d: ModelDescription, version: str, units: Units) -> DataType | None:
+    """The type of a connector; enumerations are left to the FMU, which defines them."""
+    kind = _kind(v.type, version)
+    if kind in ("Enumeration", "Binary") or kind not in KINDS:
+        return None
+    unit = units.name(v.unit, d.units) if v.type in REAL_TYPES else None
+    return DataType(tag=f"ssc:{kind}", unit=unit)
+
+
+def _kind(fmi_type: str, version: str) -> str:
+    """The name of an FMI type in SSP."""
+    if version != "1.0":
+        return fmi_type
+    if fmi_type in REAL_TYPES:
+        return "Real"
+    return "Integer" if fmi_type in INTEGER_TYPES - {"Enumeration"} else fmi_type
+
+
+def start_value_binding(
+    name: str, values: Mapping[str, Any], description: ModelDescription, version: str
+) -> tuple[ParameterBinding, ...]:
+    """The binding that gives an FMU its start values; raises `ExperimentError`."""
+    if not values:
+        return ()
+    parameters = tuple(_parameters(name, values, description, version))
+    content = ParameterSet(version=version, name="start values", parameters=parameters)
+    return (ParameterBinding(values=content),)
+
+
+def _parameters(
+    name: str, values: Mapping[str, Any], description: ModelDescription, version: str
+) -> Iterator[Parameter]:
+    for key, value in values.items():
+        if key not in description.variables:
+            hint = nearest(key, description.variables)
+            raise ExperimentError(f"component {name}: no variable {key!r} to give a value; {hint}")
+        kind = description.variables[key].type
+        given = list(value) if isinstance(value, list | tuple) else [value]
+        tag = f"ssv:{_kind(kind if kind != 'Enumeration' else 'Int32', version)}"
+        try:
+            made = _value(tag, kind, given)
+        except (TypeError, ValueError) as fault:
+            raise ExperimentError(
+                f"component {name}: start value {value!r} of {key} is no {kind}"
+            ) from fault
+        several = (Dimension(size=len(given)),) if isinstance(value, list | tuple) else ()
+        yield Parameter(name=key, value=made, dimensions=several)
+
+
+def _value(tag: str, kind: str, given: list[Any]) -> ParameterValue:
+    if kind in REAL_TYPES:
+        return ParameterValue(tag=tag, value=" ".join(write_double(one) for one in given))
+    if kind in INTEGER_TYPES:
+        return ParameterValue(tag=tag, value=" ".join(str(int(one)) for one in given))
+    if kind == "Boolean":
+        return ParameterValue(tag=tag, value=" ".join(write_boolean(bool(one)) for one in given))
+    if kind != "String":
+        raise ValueError(kind)
+    if len(given) == 1:
+        return ParameterValue(tag=tag, value=str(given[0]))
+    return ParameterValue(tag=tag, items=tuple(ValueItem(value=str(one)) for one in given))

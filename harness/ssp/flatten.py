@@ -1,0 +1,170 @@
+"""Nested systems to wires between FMUs: each wire with what happens to the value on its way.
+
+Which end of a connection is the source is decided by the kinds of its connectors, not by which is
+called its start. A signal is followed from the input of an FMU back through connectors of systems
+and signal dictionaries to the output that feeds it. At each connector whose unit is known the
+value is converted to it; a unit that is not stated stays that of the source.
+
+Refused are connections of two sources or two inputs, inputs fed twice, circles of connectors, and
+connections of single elements of arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from harness.errors import ExperimentError, HarnessError, nearest
+from harness.ssp.change import Change, transformed
+from harness.ssp.common import Transformation
+from harness.ssp.document import Connection
+from harness.ssp.ports import SINKS, SOURCES, Node, Port, Ports, reference_at
+from harness.ssp.tree import SystemNode, Tree
+from harness.system.units import Unit, exact_conversion
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A connection with its direction known; `place` names it in faults."""
+
+    source: Node
+    target: Node
+    connection: Connection
+    place: str
+
+
+@dataclass(frozen=True)
+class FlatWire:
+    """What feeds the input `target` of an FMU: over `edges`, from the source on.
+
+    `source` is an output of an FMU where `driven`, else a connector that nothing feeds.
+    """
+
+    source: Node
+    target: Node
+    edges: tuple[Edge, ...]
+    driven: bool
+
+
+def flat_wires(tree: Tree, ports: Ports) -> tuple[FlatWire, ...]:
+    """All wires that end at an FMU, in the order of the connections that reach it."""
+    incoming: dict[Node, Edge] = {}
+    for edge in _edges(tree, ports):
+        other = incoming.setdefault(edge.target, edge)
+        if other is not edge:
+            raise ExperimentError(
+                f"{edge.place}: {edge.target} is fed twice, from {other.source} and {edge.source}"
+            )
+    ends = [node for node in incoming if node.path in tree.fmu_at and not node.dictionary]
+    return tuple(_followed(node, incoming, tree) for node in ends)
+
+
+def _followed(target: Node, incoming: Mapping[Node, Edge], tree: Tree) -> FlatWire:
+    node = target
+    edges: list[Edge] = []
+    while node in incoming:
+        edge = incoming[node]
+        if edge in edges:
+            circle = " -> ".join(str(one.source) for one in reversed(edges))
+            raise ExperimentError(
+                f"{edge.place}: connectors feed one another in a circle: {circle}"
+            )
+        edges.append(edge)
+        node = edge.source
+        if node.path in tree.fmu_at and not node.dictionary:
+            break
+    driven = node.path in tree.fmu_at and not node.dictionary
+    return FlatWire(node, target, tuple(reversed(edges)), driven)
+
+
+def change_along(edges: tuple[Edge, ...], ports: Ports, source_unit: Unit | None) -> Change:
+    """What happens to a value with `source_unit` on its way; raises `ExperimentError`."""
+    change, unit = Change(), source_unit
+    if edges and ports.port(edges[0].source, edges[0].place).type == "Boolean":
+        return _chain(edges, ports, change, unit).boolean()
+    return _chain(edges, ports, change, unit)
+
+
+def _chain(edges: tuple[Edge, ...], ports: Ports, change: Change, unit: Unit | None) -> Change:
+    for edge in edges:
+        source = ports.port(edge.source, edge.place)
+        target = ports.port(edge.target, edge.place)
+        c = edge.connection
+        try:
+            if not c.suppress_unit_conversion:
+                change = change.scaled(*exact_conversion(unit, target.unit))
+            change, unit = _apply(change, unit, c.transformation, source, target, c)
+        except HarnessError as fault:
+            raise ExperimentError(f"{edge.place}: {fault}") from fault
+    return change
+
+
+def _apply(
+    change: Change,
+    unit: Unit | None,
+    given: Transformation | None,
+    source: Port,
+    target: Port,
+    connection: Connection,
+) -> tuple[Change, Unit | None]:
+    """The change after a connection, and the unit in which the value then is."""
+    if given is not None:
+        change = transformed(change, given, source.items, target.items)
+    if target.unit is not None:
+        return change, target.unit
+    touched = given is not None or connection.suppress_unit_conversion
+    return change, None if touched else unit
+
+
+def _edges(tree: Tree, ports: Ports) -> Iterator[Edge]:
+    for system in tree.systems:
+        for connection in system.element.connections:
+            yield _directed(system, connection, ports)
+
+
+def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:
+    elements = [name or None for name in (c.start_element, c.end_element)]  # some tools write ""
+    start, end = _shown(elements[0], c.start_connector), _shown(elements[1], c.end_connector)
+    inside = f" of system {'.'.join(system.path)}" if system.path else ""
+    place = f"{system.scope.where}: connection {start} – {end}{inside}"
+    if c.start_indices or c.end_indices:
+        raise ExperimentError(f"{place}: single elements of arrays cannot be connected yet")
+    first = _node(system, elements[0], c.start_connector, ports, place)
+    second = _node(system, elements[1], c.end_connector, ports, place)
+    roles = [
+        _role(ports.port(node, place).kind, own=element is None)
+        for node, element in zip((first, second), elements, strict=True)
+    ]
+    if roles[0] and roles[0] == roles[1]:
+        what = "give values" if roles[0] == "source" else "take values"
+        raise ExperimentError(f"{place}: both connectors {what}; one must be of the other kind")
+    if roles[0] == "sink" or roles[1] == "source":
+        return Edge(second, first, c, place)
+    return Edge(first, second, c, place)
+
+
+def _role(kind: str, *, own: bool) -> str:
+    """Whether a connector gives or takes values inside the system ("" where either is meant)."""
+    if kind in SOURCES or kind == "independent":
+        return "sink" if own else "source"
+    if kind in SINKS:
+        return "source" if own else "sink"
+    return ""
+
+
+def _node(
+    system: SystemNode, element: str | None, connector: str, ports: Ports, place: str
+) -> Node:
+    if element is None:
+        return Node(system.path, connector)
+    reference = reference_at(system.element, element)
+    if reference is not None:
+        return ports.referred(system.path, reference, connector)
+    if all(one.name != element for one in system.element.elements):
+        hint = nearest(element, [one.name for one in system.element.elements])
+        raise ExperimentError(f"{place}: there is no element {element!r}; {hint}")
+    return Node((*system.path, element), connector)
+
+
+def _shown(element: str | None, connector: str) -> str:
+    return connector if element is None else f"{element}.{connector}"

@@ -1,0 +1,268 @@
+"""Our experiments as packages that other tools run: FMUs, wires, units, start values, times.
+
+Every variant is a root description. Controllers and signals stand in it as FMUs; what SSP has no
+words for stands in annotations of ours (`harness.ssp.settings`), by which the harness restores the
+experiment exactly. Said aloud is what other tools do not see: delays and imperfections of wires,
+and the step by which the output of a controller's FMU comes later than in our loop.
+
+Refused, with the way out, are sensitivities and plain Python: there is nothing to make an FMU of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+from warnings import warn
+
+from harness.clock import show, to_seconds
+from harness.errors import ExperimentError, HarnessError
+from harness.experiment.experiment import Experiment
+from harness.experiment.schema import ExperimentSpec
+from harness.fmi.fmu import Fmu
+from harness.fmi.model_description import ModelDescription
+from harness.ssp.common import LinearTransformation
+from harness.ssp.describe import Units, connectors, start_value_binding
+from harness.ssp.document import (
+    Component,
+    Connection,
+    DefaultExperiment,
+    ParameterBinding,
+    SystemElement,
+    SystemStructure,
+)
+from harness.ssp.package import DEFAULT, save_package
+from harness.ssp.sequence import sequence_block
+from harness.ssp.settings import annotation, osp_step, safe_name
+from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, sha256
+from harness.system import graph
+from harness.system.block import Block
+
+Table = dict[str, Any]
+
+_STRUCTURE = {"components", "connections", "variants", "extends", "stop_time", "start_time"}
+
+
+class BlockFmu(Protocol):
+    """Makes the FMU of a block; `sample_time` and `phase` in seconds."""
+
+    def __call__(
+        self,
+        block: Block,
+        name: str,
+        sample_time: float,
+        fmi_version: int = 3,
+        *,
+        phase: float = 0.0,
+    ) -> Path:
+        """The path of the FMU; raises `HarnessError`."""
+        ...
+
+
+@dataclass
+class Resources:
+    """The files of a package by member name; files of the same content are one."""
+
+    files: dict[str, Path] = field(default_factory=dict)
+    members: dict[tuple[str, str], str] = field(default_factory=dict)
+
+    def add(self, name: str, path: Path) -> str:
+        """The member name under which a file stands: `resources/name`, or with a number."""
+        digest, suffix = sha256(path), Path(name).suffix
+        if (digest, suffix) in self.members:
+            return self.members[digest, suffix]
+        member, number = f"resources/{name}", 1
+        while member in self.files:
+            number += 1
+            member = f"resources/{Path(name).stem}_{number}{suffix}"
+        self.files[member] = path
+        self.members[digest, suffix] = member
+        return member
+
+
+def export_experiment(
+    experiment: Experiment, target: Path, variants: Sequence[str], block_fmu: BlockFmu
+) -> None:
+    """Write variants of an experiment as a package, the first as its default.
+
+    Raises `ExperimentError` with one line for each variant that cannot be exported.
+    """
+    resources, faults = Resources(), []
+    structures: dict[str, SystemStructure] = {}
+    for variant in variants:
+        file = f"{safe_name(variant)}.ssd" if structures else DEFAULT
+        try:
+            exporter = _Exporter(experiment, variant, tuple(variants), resources, block_fmu)
+            structures[file] = exporter.structure(first=not structures)
+        except HarnessError as fault:
+            faults.append(f"{experiment.name} ({variant}) cannot be exported: {fault}")
+    if faults:
+        raise ExperimentError("\n".join(faults))
+    save_package(target, structures, resources.files)
+
+
+@dataclass(frozen=True)
+class _Exporter:
+    experiment: Experiment
+    variant: str
+    variants: tuple[str, ...]
+    resources: Resources
+    block_fmu: BlockFmu
+
+    def structure(self, *, first: bool) -> SystemStructure:
+        spec = self.experiment.variant_spec(self.variant)
+        system = self.experiment.bench(self.variant).system()
+        sources = {c.name: self._source(c, system, spec) for c in system.components}
+        descriptions = {name: _describe(path) for name, path in sources.items()}
+        major = max(d.fmi_major for d in descriptions.values())
+        lists = any(
+            isinstance(v, list | tuple) for c in system.fmus for v in c.start_values.values()
+        )
+        version = "2.0" if major > 2 or lists else "1.0"
+        units = Units()
+        elements = tuple(
+            self._component(c, sources[c.name], descriptions[c.name], spec, system, version, units)
+            for c in system.components
+        )
+        root = SystemElement(
+            name=self.variant,
+            description=spec.title,
+            elements=elements,
+            connections=tuple(self._connection(c, spec) for c in system.connections),
+        )
+        step = min(_period(c) for c in system.components)
+        return SystemStructure(
+            version=version,
+            name=self.variant,
+            generation_tool="fmu-harness",
+            system=root,
+            units=units.definitions(),
+            experiment=DefaultExperiment(
+                start_time=spec.start_time,
+                stop_time=spec.stop_time,
+                annotations=(osp_step(to_seconds(step)),),
+            ),
+            annotations=annotation(self._settings(spec, report=first)),
+        )
+
+    def _settings(self, spec: ExperimentSpec, *, report: bool) -> Table:
+        given = spec.model_dump(by_alias=True, exclude_unset=True, exclude=_STRUCTURE)
+        variant = self.experiment.spec.variants.get(self.variant)
+        if variant is not None and variant.label is not None:
+            given["label"] = variant.label
+        if report:
+            base = self.experiment.spec.model_dump(
+                by_alias=True, exclude_unset=True, include=set(REPORT)
+            )
+            given["report"] = {k: v for k, v in base.items() if given.get(k) != v}
+            _only(given["report"], self.variants)
+            if len(self.variants) > 1:
+                given["order"] = list(self.variants)
+        _only(given, self.variants)
+        return {"step": spec.step, "algorithm": spec.algorithm, **given}
+
+    def _source(self, c: graph.Component, system: graph.System, spec: ExperimentSpec) -> Path:
+        """The FMU of a component."""
+        if isinstance(c, graph.FmuComponent):
+            return c.path
+        if isinstance(c, graph.SignalComponent):
+            return self._made(c, sequence_block(c, system), spec)
+        if isinstance(c, graph.BlockComponent):
+            return self._made(c, c.block, spec)
+        if isinstance(c, graph.SensitivityComponent):
+            raise ExperimentError(
+                f"component {c.name} is a sensitivity, which the harness computes and no FMU can; "
+                "choose variants without one by --variant"
+            )
+        raise ExperimentError(
+            f"component {c.name} is plain Python, of which no FMU can be made; write it as a block "
+            "with step(p, x, u, y), as the README of the controllers shows"
+        )
+
+    def _made(
+        self, c: graph.BlockComponent | graph.SignalComponent, block: Block, spec: ExperimentSpec
+    ) -> Path:
+        return self.block_fmu(
+            block, c.name, to_seconds(c.period_ns), spec.fmi_version, phase=to_seconds(c.phase_ns)
+        )
+
+    def _component(
+        self,
+        c: graph.Component,
+        source: Path,
+        description: ModelDescription,
+        spec: ExperimentSpec,
+        system: graph.System,
+        version: str,
+        units: Units,
+    ) -> Component:
+        used = {e.variable for w in system.connections for e in (w.source, w.target)
+                if e.component == c.name}  # fmt: skip
+        given = spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
+        bindings: tuple[ParameterBinding, ...] = ()
+        if isinstance(c, graph.FmuComponent):
+            bindings = start_value_binding(c.name, c.start_values, description, version)
+            own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
+        else:
+            own = {**given, "fmu_sha256": sha256(source)}
+            parameters = given.get("parameters", {})
+            if "signal" in given and "file" in parameters:
+                file = self.experiment.path.parent / parameters["file"]
+                member = self.resources.add(f"{safe_name(c.name)}{file.suffix}", file)
+                own["parameters"] = {**parameters, "file": member}
+            if isinstance(c, graph.BlockComponent):
+                self._say(f"{c.name} is an FMU there: what it computes arrives one communication "
+                          f"step ({show(c.period_ns)}) later than in this loop")  # fmt: skip
+        return Component(
+            name=c.name,
+            source=self.resources.add(f"{safe_name(c.name)}.fmu", source),
+            implementation="CoSimulation",
+            connectors=connectors(description, used, version, units),
+            bindings=bindings,
+            annotations=annotation(own),
+        )
+
+    def _connection(self, wire: graph.Connection, spec: ExperimentSpec) -> Connection:
+        given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
+        own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
+        if own:
+            self._say(f"the {' and '.join(own)} on {wire.source} -> {wire.target} are in an "
+                      "annotation of ours only")  # fmt: skip
+        linear = LinearTransformation(factor=wire.factor, offset=wire.offset)
+        return Connection(
+            start_element=wire.source.component,
+            start_connector=wire.source.variable,
+            end_element=wire.target.component,
+            end_connector=wire.target.variable,
+            suppress_unit_conversion=not wire.convert_units,
+            transformation=None if linear == LinearTransformation() else linear,
+            annotations=annotation(own),
+        )
+
+    def _say(self, what: str) -> None:
+        warn(f"in other tools {what}", stacklevel=2)
+
+
+def _only(settings: Table, variants: tuple[str, ...]) -> None:
+    """Leave out what is about variants that are not exported: their plots, and a study whose
+    baseline is one of them."""
+    plots = settings.get("plots", {})
+    for name, plot in list(plots.items()):
+        if plot.get("variants"):
+            plot["variants"] = tuple(one for one in plot["variants"] if one in variants)
+            if not plot["variants"]:
+                del plots[name]
+    if settings.get("study") and settings["study"]["baseline"] not in variants:
+        del settings["study"]
+
+
+def _period(component: graph.Component) -> int:
+    if isinstance(component, graph.FmuComponent):
+        return component.step_ns
+    return component.period_ns
+
+
+def _describe(path: Path) -> ModelDescription:
+    with Fmu(path) as fmu:
+        return fmu.description

@@ -1,0 +1,72 @@
+"""How values stand in XML attributes: the lexical forms of XML Schema that SSP uses."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+_DOUBLE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?$")
+_INTEGER = re.compile(r"[+-]?\d{1,40}$")
+_SPECIAL = {"INF": math.inf, "+INF": math.inf, "-INF": -math.inf, "NaN": math.nan}
+_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+
+
+@dataclass(frozen=True)
+class Form:
+    """`read` makes a value of a text (ValueError says what it is not), `write` undoes it."""
+
+    read: Callable[[str], Any]
+    write: Callable[[Any], str]
+
+
+def read_double(text: str) -> float:
+    """An xs:double."""
+    text = text.strip()
+    if text in _SPECIAL:
+        return _SPECIAL[text]
+    if not _DOUBLE.match(text):
+        raise ValueError("no number")
+    return float(text)
+
+
+def write_double(value: float) -> str:
+    """The shortest text that reads back as the same double."""
+    value = float(value)
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "INF" if value > 0 else "-INF"
+    return repr(value)
+
+
+def read_integer(text: str) -> int:
+    """An xs:integer."""
+    if not _INTEGER.match(text.strip()):
+        raise ValueError("no whole number")
+    return int(text)
+
+
+def read_boolean(text: str) -> bool:
+    """An xs:boolean."""
+    try:
+        return _BOOLEANS[text.strip()]
+    except KeyError:
+        raise ValueError("neither true nor false") from None
+
+
+def write_boolean(value: bool) -> str:
+    """ "true" or "false"."""
+    return "true" if value else "false"
+
+
+FORMS = {
+    "string": Form(str, str),
+    "double": Form(read_double, write_double),
+    "integer": Form(read_integer, str),
+    "boolean": Form(read_boolean, write_boolean),
+    "list": Form(lambda text: tuple(text.split()), " ".join),
+}
+"""The forms by name; "list" is of tokens separated by white space."""

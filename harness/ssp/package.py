@@ -1,0 +1,148 @@
+"""System structure packages: `.ssp` archives, their unpacked folders, and single `.ssd` files.
+
+An archive is unpacked under the rules for FMU archives. What a description names by a URI is
+looked for relative to it: inside the package where that is an archive, and anywhere relative to
+a folder of the user's own. Absolute URIs and schemes are refused: nothing is downloaded.
+"""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import ClassVar
+from urllib.parse import unquote, urlsplit
+
+from harness.errors import ExperimentError, FmuError, nearest
+from harness.fmi.archive import Archive
+from harness.ssp import binding
+from harness.ssp.document import SystemStructure
+
+DEFAULT = "SystemStructure.ssd"
+_STAMP = (1980, 1, 1, 0, 0, 0)
+
+
+class SspArchive(Archive):
+    """An unpacked `.ssp`."""
+
+    ROOT: ClassVar[str] = DEFAULT
+
+    def __init__(self, path: Path) -> None:
+        """Check and unpack `path`; raises `ExperimentError` when it is broken or hostile."""
+        try:
+            super().__init__(path)
+        except FmuError as fault:
+            raise ExperimentError(str(fault).replace("FMU", "SSP", 1)) from fault
+
+
+@dataclass(frozen=True)
+class Package:
+    """A package on disk: `structures` are its root descriptions by file name, the default first.
+
+    `path` is what the user named; `closed` packages may name nothing outside of `folder`.
+    """
+
+    path: Path
+    folder: Path
+    structures: Mapping[str, SystemStructure]
+    closed: bool
+
+    def where(self, file: str) -> str:
+        """How faults name a document of this package."""
+        return f"{self.path}/{file}" if self.path.suffix != ".ssd" else str(self.path)
+
+    def resolve(self, uri: str, where: str, base: Path | None = None) -> Path:
+        """The file that a relative URI names, seen from `base` (the root of the package)."""
+        parts = urlsplit(uri)
+        relative = unquote(parts.path)
+        if parts.scheme or parts.netloc or relative.startswith("/") or "\\" in relative:
+            raise ExperimentError(
+                f"{where}: source {uri!r} is no relative URI; only files of the package are read"
+            )
+        if not relative or "\0" in relative:
+            raise ExperimentError(f"{where}: source {uri!r} names no file")
+        root = self.folder.resolve()
+        found = ((base or self.folder) / relative).resolve()
+        if self.closed and not found.is_relative_to(root):
+            raise ExperimentError(f"{where}: source {uri!r} leaves the package")
+        if not found.exists():
+            legal = [p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()]
+            raise ExperimentError(f"{where}: there is no file {uri!r}; {nearest(relative, legal)}")
+        return found
+
+
+@contextmanager
+def open_package(path: str | Path) -> Iterator[Package]:
+    """A package while its files are there; raises `ExperimentError`."""
+    path = Path(path)
+    with ExitStack() as stack:
+        if path.suffix == ".ssd":
+            content = {path.name: _structure(path, str(path))}
+            yield Package(path, path.parent, content, closed=False)
+            return
+        folder, closed = path, False
+        if not path.is_dir():
+            folder, closed = stack.enter_context(SspArchive(path)).folder, True
+        elif not (path / DEFAULT).is_file():
+            raise ExperimentError(f"folder {path} has no {DEFAULT}; it is no unpacked SSP")
+        others = sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT)
+        files = {name: _structure(folder / name, f"{path}/{name}") for name in (DEFAULT, *others)}
+        yield Package(path, folder, files, closed)
+
+
+def is_package(path: str | Path) -> bool:
+    """Whether that names a package: a `.ssp` or `.ssd` file, or a folder with a description."""
+    path = Path(path)
+    return path.suffix in (".ssp", ".ssd") or (path / DEFAULT).is_file()
+
+
+def save_package(
+    target: Path, structures: Mapping[str, SystemStructure], resources: Mapping[str, Path]
+) -> None:
+    """Write an archive of root descriptions and files by member name, byte for byte the same for
+    the same content. Raises `ExperimentError` when it cannot be written."""
+    made = target.with_name(target.name + ".part")
+    try:
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, structure in structures.items():
+                archive.writestr(_member(name), binding.write(structure))
+            for name, source in resources.items():
+                with source.open("rb") as file, archive.open(_member(name), "w") as member:
+                    shutil.copyfileobj(file, member)
+        made.replace(target)
+    except OSError as fault:
+        raise ExperimentError(f"{target} cannot be written: {fault}") from fault
+    finally:
+        made.unlink(missing_ok=True)
+
+
+def files_of(package: Package) -> dict[str, Path]:
+    """All files of a package but its root descriptions, by member name."""
+    found = {p.relative_to(package.folder).as_posix(): p for p in package.folder.rglob("*")}
+    return {
+        name: path
+        for name, path in sorted(found.items())
+        if path.is_file() and name not in package.structures
+    }
+
+
+def _member(name: str) -> zipfile.ZipInfo:
+    member = zipfile.ZipInfo(str(PurePosixPath(name)), _STAMP)
+    member.compress_type = zipfile.ZIP_DEFLATED
+    member.external_attr = 0o644 << 16
+    return member
+
+
+def _structure(path: Path, where: str) -> SystemStructure:
+    return binding.read(SystemStructure, read_bytes(path, where), where)
+
+
+def read_bytes(path: Path, where: str) -> bytes:
+    """The content of a file; raises `ExperimentError`."""
+    try:
+        return path.read_bytes()
+    except OSError as fault:
+        raise ExperimentError(f"{where} cannot be read: {fault}") from fault

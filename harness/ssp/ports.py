@@ -1,0 +1,168 @@
+"""The ends of connections: connectors of systems and FMUs, and entries of signal dictionaries.
+
+What a connector does not state is taken from the variable of the FMU behind it. A unit that both
+state differently is that of the connector: it was written by whoever put the system together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from harness.errors import ExperimentError, nearest
+from harness.fmi.model_description import ModelDescription, Variable
+from harness.ssp import binding
+from harness.ssp.common import DataType
+from harness.ssp.document import DictionaryReference, SystemElement
+from harness.ssp.package import read_bytes
+from harness.ssp.parameters import Dictionary
+from harness.ssp.tree import Scope, Tree, TreePath, enumerations_of, units_of
+from harness.system.units import Unit, parse_unit
+
+SOURCES = ("output", "calculatedParameter", "constant", "local")
+SINKS = ("input", "parameter", "structuralParameter")
+Describe = Callable[[Path], ModelDescription]
+
+
+@dataclass(frozen=True)
+class Node:
+    """A connector of the element at `path`, or with `dictionary` an entry of that dictionary of
+    the system at `path`."""
+
+    path: TreePath
+    name: str
+    dictionary: str = ""
+
+    def __str__(self) -> str:
+        owner = ".".join((*self.path, *([self.dictionary] if self.dictionary else [])))
+        return f"{owner}.{self.name}" if owner else self.name
+
+
+@dataclass(frozen=True)
+class Port:
+    """What is known of a node: `kind` as seen from outside, unit, type and enumeration items."""
+
+    kind: str
+    unit: Unit | None = None
+    type: str = ""
+    items: Mapping[str, int] | None = None
+    variable: Variable | None = None
+
+
+class Ports:
+    """Looks up nodes of a tree; FMUs are described by `describe`."""
+
+    def __init__(self, tree: Tree, describe: Describe) -> None:
+        self.tree = tree
+        self.describe = describe
+        self._known: dict[Node, Port] = {}
+        self._dictionaries: dict[tuple[TreePath, str], dict[str, Port]] = {}
+
+    def port(self, node: Node, place: str) -> Port:
+        """What a node is; raises `ExperimentError` for a connector that does not exist."""
+        if node not in self._known:
+            self._known[node] = self._find(node, place)
+        return self._known[node]
+
+    def variable_unit(self, node: Node) -> Unit | None:
+        """The unit of the FMU's variable, whatever the connector says."""
+        description = self.describe(self.tree.fmu_at[node.path].source)
+        variable = description.variables.get(node.name)
+        if variable is None or not variable.unit:
+            return None
+        return parse_unit(variable.unit, description.units)
+
+    def referred(self, path: TreePath, reference: DictionaryReference, name: str) -> Node:
+        """The dictionary entry behind a reference's connector, in this or an enclosing system."""
+        system = path
+        while True:
+            for one in self.tree.system_at[system].element.dictionaries:
+                if one.name == reference.dictionary:
+                    return Node(system, name, one.name)
+            if not system:
+                break
+            system = system[:-1]
+        where = self.tree.system_at[path].scope.where
+        raise ExperimentError(
+            f"{where}: signal dictionary reference {'.'.join((*path, reference.name))}: there is "
+            f"no dictionary {reference.dictionary!r} in its system or around it"
+        )
+
+    def _find(self, node: Node, place: str) -> Port:
+        if node.dictionary:
+            entries = self._entries(node.path, node.dictionary)
+            if node.name not in entries:
+                hint = nearest(node.name, entries)
+                raise ExperimentError(
+                    f"{place}: dictionary {node.dictionary} has no {node.name!r}; {hint}"
+                )
+            return entries[node.name]
+        if node.path in self.tree.fmu_at:
+            return self._of_fmu(node, place)
+        system = self.tree.system_at[node.path]
+        connector = system.element.connector(node.name)
+        if connector is None:
+            legal = [c.name for c in system.element.connectors]
+            hint = nearest(node.name, legal)
+            raise ExperimentError(f"{place}: there is no connector {node}; {hint}")
+        return _typed(connector.kind, connector.type, system.scope)
+
+    def _of_fmu(self, node: Node, place: str) -> Port:
+        fmu = self.tree.fmu_at[node.path]
+        description = self.describe(fmu.source)
+        variable = description.variables.get(node.name)
+        connector = fmu.element.connector(node.name)
+        if variable is None:
+            legal = description.variables
+            hint = nearest(node.name, legal)
+            raise ExperimentError(
+                f"{place}: FMU {fmu.source.name} of {'.'.join(node.path)} has no variable "
+                f"{node.name!r}; {hint}"
+            )
+        own = parse_unit(variable.unit, description.units) if variable.unit else None
+        if connector is None:
+            return Port(variable.causality, own, variable.type, None, variable)
+        said = _typed(connector.kind, connector.type, fmu.scope)
+        kind = said.kind if said.kind not in ("inout", "unspecified") else variable.causality
+        return Port(kind, said.unit or own, said.type or variable.type, said.items, variable)
+
+    def _entries(self, path: TreePath, name: str) -> dict[str, Port]:
+        if (path, name) not in self._dictionaries:
+            self._dictionaries[path, name] = self._read_dictionary(path, name)
+        return self._dictionaries[path, name]
+
+    def _read_dictionary(self, path: TreePath, name: str) -> dict[str, Port]:
+        system = self.tree.system_at[path]
+        given = next(d for d in system.element.dictionaries if d.name == name)
+        where = f"{system.scope.where}: signal dictionary {name}"
+        content = given.inline
+        if given.source is not None:
+            found = system.scope.resolve(given.source, f"signal dictionary {name}")
+            content = binding.read(Dictionary, read_bytes(found, where), f"{where}: {given.source}")
+        if content is None:
+            raise ExperimentError(f"{where} has neither a source nor a content")
+        units, enumerations = units_of(content.units), enumerations_of(content.enumerations)
+        return {
+            entry.name: Port(
+                "inout",
+                parse_unit(entry.type.unit, units) if entry.type.unit else None,
+                entry.type.kind,
+                enumerations.get(entry.type.name or ""),
+            )
+            for entry in content.entries
+        }
+
+
+def _typed(kind: str, given: DataType | None, scope: Scope) -> Port:
+    if given is None:
+        return Port(kind)
+    return Port(kind, scope.unit(given.unit), given.kind, scope.enumerations.get(given.name or ""))
+
+
+def reference_at(system: SystemElement, name: str) -> DictionaryReference | None:
+    """The dictionary reference of that name in a system."""
+    for one in system.elements:
+        if isinstance(one, DictionaryReference) and one.name == name:
+            return one
+    return None

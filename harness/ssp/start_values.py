@@ -1,0 +1,144 @@
+"""Parameter bindings to start values of FMU variables.
+
+A binding gives the values of a parameter set to the element that holds it: by the names of an
+FMU's variables, or by the hierarchical names of all that is in a system. A value given to a
+connector of a system goes on along its connections, with their units and transformations, and
+counts more than what is bound to the other end. Else, of several values the one bound at the
+higher level counts, at one level the later one. Values that fit no name are ignored, as the
+standard says, and said so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+from warnings import warn
+
+from harness.errors import ExperimentError, HarnessError
+from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.ssp.change import Items
+from harness.ssp.document import ParameterBinding
+from harness.ssp.flatten import FlatWire, change_along
+from harness.ssp.lexical import read_boolean, read_double, read_integer
+from harness.ssp.parameter_values import Scalar, Value, bound_values
+from harness.ssp.ports import Node, Ports
+from harness.ssp.tree import FmuNode, Scope, SystemNode, Tree, TreePath
+
+Bound = dict[Node, "_Bound"]
+TreeNode = SystemNode | FmuNode
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A value in the unit of the node to which it is bound; the higher `rank` counts."""
+
+    value: Value
+    rank: tuple[int, int]
+    place: str
+
+
+def start_values(
+    tree: Tree, ports: Ports, wires: tuple[FlatWire, ...]
+) -> dict[TreePath, dict[str, Any]]:
+    """The start values of each FMU by variable, in the order in which they are bound."""
+    bound: Bound = {}
+    order = 0
+    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
+    for node in sorted(nodes, key=lambda one: len(one.path)):
+        source = node.element.source if isinstance(node, FmuNode) else None
+        for one, scope in _bindings(node):
+            place = f"{scope.where}: parameter binding of {'.'.join(node.path) or 'the system'}"
+            for name, value in bound_values(one, scope, source, place):
+                order += 1
+                given = _Bound(value, (-len(node.path), order), f"{place}: {name}")
+                _give(bound, tree, ports, node, name, given)
+    _propagate(bound, wires, ports)
+    found: dict[TreePath, dict[str, Any]] = {}
+    for end, given in bound.items():
+        if end.path in tree.fmu_at and not end.dictionary:
+            found.setdefault(end.path, {})[end.name] = _start_value(end, given, ports)
+    return found
+
+
+def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
+    if isinstance(node, SystemNode):
+        return node.bindings
+    return tuple((one, node.scope) for one in node.element.bindings)
+
+
+def _give(bound: Bound, tree: Tree, ports: Ports, node: TreeNode, name: str, given: _Bound) -> None:
+    """Bind a value to every variable and connector of that hierarchical name."""
+    ends = list(_named(tree, ports, node, name))
+    if not ends:
+        warn(f"{given.place} fits no variable and is ignored", stacklevel=2)
+    for end in ends:
+        if end in bound and bound[end].rank > given.rank:
+            continue
+        try:
+            bound[end] = replace(given, value=given.value.settled(ports.port(end, given.place)))
+        except HarnessError as fault:
+            raise ExperimentError(f"{given.place}: {fault}") from fault
+
+
+def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node]:
+    depth = len(node.path)
+    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
+    for one in nodes:
+        prefix = "".join(f"{part}." for part in one.path[depth:])
+        if one.path[:depth] != node.path or not name.startswith(prefix):
+            continue
+        rest = name[len(prefix) :]
+        if isinstance(one, SystemNode):
+            known = one.element.connector(rest) is not None
+        else:
+            known = rest in ports.describe(one.source).variables
+        if known:
+            yield Node(one.path, rest)
+
+
+def _propagate(bound: Bound, wires: tuple[FlatWire, ...], ports: Ports) -> None:
+    """Values of connectors that nothing drives go to the FMUs' inputs and parameters behind.
+
+    What is connected takes the value of its connection, whatever is bound to it besides.
+    """
+    for wire in wires:
+        for index, edge in enumerate(() if wire.driven else wire.edges):
+            given, own = bound.get(edge.source), bound.get(wire.target)
+            if given is None:
+                continue
+            if own is not None:
+                warn(f"{own.place} is not used: {edge.place} gives the value", stacklevel=2)
+            change = change_along(wire.edges[index:], ports, given.value.unit)
+            try:
+                bound[wire.target] = replace(given, value=given.value.changed(change))
+            except HarnessError as fault:
+                raise ExperimentError(f"{given.place}: {fault}") from fault
+            break
+
+
+def _start_value(end: Node, given: _Bound, ports: Ports) -> Any:
+    port = ports.port(end, given.place)
+    assert port.variable is not None
+    items = given.value.items or port.items
+    try:
+        made = [_as_type(one, port.variable, items) for one in given.value.content]
+    except ValueError as fault:
+        raise ExperimentError(f"{given.place}: a value for {end} is {fault}") from fault
+    return made[0] if len(made) == 1 and not given.value.array else made
+
+
+def _as_type(value: Scalar, variable: Variable, items: Items | None) -> Scalar:
+    """A value as the variable's type takes it; raises ValueError with what it is not."""
+    kind = variable.type
+    if kind in REAL_TYPES:
+        return read_double(value) if isinstance(value, str) else float(value)
+    if kind == "Boolean":
+        return read_boolean(value) if isinstance(value, str) else bool(value)
+    if kind in INTEGER_TYPES:
+        if isinstance(value, str):
+            return items[value] if items and value in items else read_integer(value)
+        if value != int(value):
+            raise ValueError(f"no whole number, as type {kind} demands, but {value!r}")
+        return int(value)
+    return str(value)
