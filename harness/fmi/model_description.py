@@ -6,18 +6,26 @@ refused, so no entity is ever expanded.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import fmpy
 from fmpy.model_description import ValidationError
+from fmpy.validation import validate_model_description
 from lxml import etree
 
 from harness.errors import FmuError, nearest
+from harness.fmi.value_checks import unit_faults, variable_faults
+from harness.fmi.wording import shorten
+from harness.fmi.xml_checks import document_faults, root_fault, schema_problems
 from harness.system.units import Unit
+
+_BUILD = "sources/buildDescription.xml"
+_SHOWN_FAULTS = 3
 
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
 INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
@@ -115,24 +123,66 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
 
     Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
     """
-    document = folder / "modelDescription.xml"
+    root = _root(folder / "modelDescription.xml", source)
+    _raise_first(document_faults(root), source)
+    try:
+        description = fmpy.read_model_description(str(folder), validate=False)
+        problems = validate_model_description(description)
+        adapted = _adapt(description, _directional(root))
+    except ValidationError as fault:
+        raise FmuError(f"{_place(source)} is not valid: {_problems(fault.problems)}") from fault
+    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
+        raise FmuError(f"{_place(source)} cannot be read: {_reason(fault)}") from fault
+    if problems:
+        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
+    _raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
+    _raise_first(unit_faults(adapted.units), source)
+    return adapted
+
+
+def _root(document: Path, source: Path) -> Any:
+    """The root element of a document that FMPy may read; raises `FmuError`."""
     try:
         tree = _parse(document)
-    except etree.XMLSyntaxError as fault:
-        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
+        if (document.parent / _BUILD).is_file():
+            build = _parse(document.parent / _BUILD)
+            if build.docinfo.doctype:
+                raise FmuError(f"{_BUILD} of {source} has a DOCTYPE, which FMUs may not have")
+    except (etree.XMLSyntaxError, OSError, LookupError, ValueError) as fault:
+        raise FmuError(f"{_place(source)} cannot be read: {_reason(fault)}") from fault
     if tree.docinfo.doctype:
-        raise FmuError(f"modelDescription.xml of {source} has a DOCTYPE, which FMUs may not have")
-    try:
-        description = fmpy.read_model_description(str(folder), validate=True)
-    except ValidationError as fault:
-        problems = "; ".join(str(problem) for problem in fault.problems[:3])
-        more = f" (and {len(fault.problems) - 3} more)" if len(fault.problems) > 3 else ""
-        raise FmuError(
-            f"modelDescription.xml of {source} is not valid: {problems}{more}"
-        ) from fault
-    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
-        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    return _adapt(description, _directional(tree.getroot()))
+        raise FmuError(f"{_place(source)} has a DOCTYPE, which FMUs may not have")
+    root = tree.getroot()
+    fault_of_root = root_fault(root)
+    if fault_of_root:
+        raise FmuError(f"{_place(source)} {fault_of_root}")
+    problems = schema_problems(root)
+    if problems:
+        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
+    return root
+
+
+def _place(source: Path) -> str:
+    return f"modelDescription.xml of {source}"
+
+
+def _raise_first(faults: Iterable[str], source: Path) -> None:
+    found = list(islice(faults, _SHOWN_FAULTS + 1))
+    if found:
+        more = " (and more)" if len(found) > _SHOWN_FAULTS else ""
+        raise FmuError(f"{_place(source)} {'; '.join(found[:_SHOWN_FAULTS])}{more}")
+
+
+def _problems(problems: Sequence[Any]) -> str:
+    shown = "; ".join(shorten(str(one), 300) for one in problems[:_SHOWN_FAULTS])
+    left = len(problems) - _SHOWN_FAULTS
+    return shown + (f" (and {left} more)" if left > 0 else "")
+
+
+def _reason(fault: Exception) -> str:
+    if isinstance(fault, KeyError):
+        return f"it refers to {shorten(repr(fault.args[0]))}, which it does not define"
+    return shorten(str(fault), 300) or type(fault).__name__
 
 
 def _parse(document: Path) -> Any:
