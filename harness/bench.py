@@ -25,14 +25,11 @@ from typing import Any
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import ExperimentError, HarnessError, UsageError, nearest
-from harness.execution.run import Progress, columns_of, execute, opened, plan_system
-from harness.fmi.logger import LogMessage
+from harness.execution.prepared import Echo, PreparedSystem
+from harness.execution.run import Progress
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
-from harness.results.columns import Column
-from harness.results.manifest import FmuRecord, Manifest
-from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.block import Block, Port
 from harness.system.graph import (
@@ -47,7 +44,7 @@ from harness.system.graph import (
     System,
 )
 
-Echo = Callable[[str, LogMessage], None]
+__all__ = ["Bench", "Echo", "Progress"]
 
 
 class Bench:
@@ -233,10 +230,14 @@ class Bench:
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
         """
-        return run_system(
-            self.system(), folder, record=self.record, progress=progress, echo=echo,
-            experiment=experiment, needed=needed,
-        )  # fmt: skip
+        with self.prepare() as prepared:
+            return prepared.run(
+                folder, progress=progress, echo=echo, experiment=experiment, needed=needed
+            )
+
+    def prepare(self) -> PreparedSystem:
+        """The system with its FMUs open and planned, for many runs; use as a context manager."""
+        return PreparedSystem(self.system(), self.record)
 
     def _add(self, component: Component) -> None:
         if component.name in self._components:
@@ -259,36 +260,6 @@ class Bench:
         return Endpoint(component, variable)
 
 
-def run_system(
-    system: System,
-    folder: str | Path | None = None,
-    *,
-    record: Sequence[str] = ("*",),
-    progress: Progress | None = None,
-    echo: Echo | None = None,
-    experiment: Mapping[str, Any] | None = None,
-    needed: Iterable[str] = (),
-) -> Result:
-    """Check, plan and run a system; see `Bench.run`."""
-    with opened(system) as fmus:
-        plan = plan_system(system, fmus, tuple(record))
-        columns = columns_of(plan, fmus)
-        _check_needed(needed, columns)
-        manifest = Manifest(
-            fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
-            seeds={"seed": system.seed},
-            experiment=dict(experiment or {}),
-        )
-        recording = Recording(columns, None if folder is None else Path(folder), manifest)
-        with recording:
-            outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
-            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
-    if outcome.fault is not None:
-        outcome.fault.result = result
-        raise outcome.fault
-    return result
-
-
 @contextmanager
 def _named(place: str) -> Iterator[None]:
     """Faults in the parameters of what stands at `place` say so."""
@@ -296,15 +267,6 @@ def _named(place: str) -> Iterator[None]:
         yield
     except ExperimentError as fault:
         raise ExperimentError(f"{place}: {fault}") from fault
-
-
-def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
-    names = [column.name for column in columns]
-    for name in needed:
-        if name not in names:
-            raise UsageError(
-                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
-            )
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from harness.errors import FmuError
 from harness.fmi.library import library_path, load
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
+from harness.fmi.mark import calling, returned
 from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
 
 DISCARD = 2
@@ -51,12 +52,17 @@ class FmuInstance(ABC):
         self.name = name
         self.log = MessageLog(echo)
         self._environment = register(self.log)
-        self._library = load(
-            library_path(folder, description.co_simulation.model_identifier, description.fmi_major)
+        path = library_path(
+            folder, description.co_simulation.model_identifier, description.fmi_major
         )
+        calling(name, "loading its library")
+        self._library = load(path)
+        returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
+        calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
+        returned()
         if not self.handle:
             raise FmuError(
                 f"component {name}: FMU {description.name} could not be instantiated: "
@@ -80,7 +86,10 @@ class FmuInstance(ABC):
         if function is None:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
             function = self._functions[name] = prototype(self.address(name))
-        self.check(function(self.handle, *arguments), name, what)
+        calling(self.name, f"{self.prefix}{name}{what}")
+        status = function(self.handle, *arguments)
+        returned()
+        self.check(status, name, what)
 
     def check(self, status: int, name: str, what: str = "") -> None:
         """Raise `FmuError` when `status` of function `name` is Discard, Error or Fatal."""
@@ -128,7 +137,9 @@ class FmuInstance(ABC):
         """Free the instance; harmless when it is gone already."""
         if self.handle and not self._library.corrupted:
             function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address("FreeInstance"))
+            calling(self.name, f"{self.prefix}FreeInstance")
             function(self.handle)
+            returned()
             self._library.instances -= 1
         self.handle = None
         forget(self._environment)
@@ -182,7 +193,11 @@ class FmuInstance(ABC):
         ]
         native = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)(self.address(function))
         self._refuse_when_dead()
-        self.check(native(self.handle, *arguments), function, f" of variable {variable.name!r}")
+        what = f" of variable {variable.name!r}"
+        calling(self.name, f"{self.prefix}{function}{what}")
+        status = native(self.handle, *arguments)
+        returned()
+        self.check(status, function, what)
 
     # state
 

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from harness.errors import FmuError
+from harness.fmi.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
 _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
@@ -64,7 +65,9 @@ def unload_below(folder: Path) -> None:
         library = _loaded[path]
         if library.instances == 0 and not library.corrupted:
             del _loaded[path]
+            calling(path.name, "unloading the library")
             library.close()
+            returned()
 
 
 class Library:

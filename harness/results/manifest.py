@@ -14,6 +14,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,12 @@ def read_manifest(folder: Path) -> Manifest:
 
 def software_versions() -> dict[str, str]:
     """Versions of Python, the harness and what it computes with; "not installed" where absent."""
+    return dict(_installed())
+
+
+@cache
+def _installed() -> Mapping[str, str]:
+    """Read once a process: a run takes less time than to read them."""
     found = {"python": platform.python_version()}
     for name in ("fmu-harness", *DEPENDENCIES):
         try:
