@@ -21,6 +21,7 @@ MAX_DEPTH = 64
 _ENCRYPTED = 0x1
 _LOCAL_HEADER = 30
 _COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_METHODS = {9: "deflate64", zipfile.ZIP_BZIP2: "bzip2", zipfile.ZIP_LZMA: "lzma", 93: "zstd"}
 _KINDS = {
     stat.S_IFLNK: "a symbolic link",
     stat.S_IFIFO: "a named pipe",
@@ -40,7 +41,7 @@ def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
         name = member.filename.rstrip("/")
         other = seen.setdefault(name.casefold(), name)
         if other is not name and not member.is_dir():
-            words = "twice" if other == name else f"also as {quoted(other)}, which only case tells"
+            words = "twice" if other == name else f"also as {quoted(other)}, told by case only"
             raise FmuError(
                 f"FMU {path} has the member {quoted(name)} {words}; names must be unique"
             )
@@ -85,7 +86,7 @@ def _content_fault(member: zipfile.ZipInfo) -> str:
     if member.flag_bits & _ENCRYPTED:
         return "has a member that is encrypted, which FMUs may not be"
     if member.compress_type not in _COMPRESSIONS:
-        method = zipfile.compressor_names.get(member.compress_type, str(member.compress_type))
+        method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
         return f"has a member compressed by {method}, where the standard allows deflate only"
     return ""
 

@@ -6,26 +6,16 @@ refused, so no entity is ever expanded.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import fmpy
-from fmpy.model_description import ValidationError
-from fmpy.validation import validate_model_description
-from lxml import etree
-
 from harness.errors import FmuError, nearest
+from harness.fmi.document import faults_of, raise_first, read_document
 from harness.fmi.value_checks import unit_faults, variable_faults
-from harness.fmi.wording import shorten
-from harness.fmi.xml_checks import document_faults, root_fault, schema_problems
 from harness.system.units import Unit
-
-_BUILD = "sources/buildDescription.xml"
-_SHOWN_FAULTS = 3
 
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
 INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
@@ -123,74 +113,12 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
 
     Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
     """
-    root = _root(folder / "modelDescription.xml", source)
-    _raise_first(document_faults(root), source)
-    try:
-        description = fmpy.read_model_description(str(folder), validate=False)
-        problems = validate_model_description(description)
+    root, description = read_document(folder, source)
+    with faults_of(source):
         adapted = _adapt(description, _directional(root))
-    except ValidationError as fault:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(fault.problems)}") from fault
-    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
-        raise FmuError(f"{_place(source)} cannot be read: {_reason(fault)}") from fault
-    if problems:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
-    _raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
-    _raise_first(unit_faults(adapted.units), source)
+    raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
+    raise_first(unit_faults(adapted.units), source)
     return adapted
-
-
-def _root(document: Path, source: Path) -> Any:
-    """The root element of a document that FMPy may read; raises `FmuError`."""
-    try:
-        tree = _parse(document)
-        if (document.parent / _BUILD).is_file():
-            build = _parse(document.parent / _BUILD)
-            if build.docinfo.doctype:
-                raise FmuError(f"{_BUILD} of {source} has a DOCTYPE, which FMUs may not have")
-    except (etree.XMLSyntaxError, OSError, LookupError, ValueError) as fault:
-        raise FmuError(f"{_place(source)} cannot be read: {_reason(fault)}") from fault
-    if tree.docinfo.doctype:
-        raise FmuError(f"{_place(source)} has a DOCTYPE, which FMUs may not have")
-    root = tree.getroot()
-    fault_of_root = root_fault(root)
-    if fault_of_root:
-        raise FmuError(f"{_place(source)} {fault_of_root}")
-    problems = schema_problems(root)
-    if problems:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
-    return root
-
-
-def _place(source: Path) -> str:
-    return f"modelDescription.xml of {source}"
-
-
-def _raise_first(faults: Iterable[str], source: Path) -> None:
-    found = list(islice(faults, _SHOWN_FAULTS + 1))
-    if found:
-        more = " (and more)" if len(found) > _SHOWN_FAULTS else ""
-        raise FmuError(f"{_place(source)} {'; '.join(found[:_SHOWN_FAULTS])}{more}")
-
-
-def _problems(problems: Sequence[Any]) -> str:
-    shown = "; ".join(shorten(str(one), 300) for one in problems[:_SHOWN_FAULTS])
-    left = len(problems) - _SHOWN_FAULTS
-    return shown + (f" (and {left} more)" if left > 0 else "")
-
-
-def _reason(fault: Exception) -> str:
-    if isinstance(fault, KeyError):
-        return f"it refers to {shorten(repr(fault.args[0]))}, which it does not define"
-    return shorten(str(fault), 300) or type(fault).__name__
-
-
-def _parse(document: Path) -> Any:
-    """The document tree, parsed without expanding or loading anything."""
-    parser = etree.XMLParser(
-        resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
-    )
-    return etree.parse(str(document), parser)
 
 
 def _directional(root: Any) -> frozenset[str]:

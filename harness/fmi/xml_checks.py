@@ -45,7 +45,8 @@ def schema_problems(root: Any) -> list[str]:
     schema = _schema(int(root.get("fmiVersion")[0]))
     if schema.validate(root):
         return []
-    return [f"line {one.line}: {one.message}" for one in schema.error_log]
+    log: Any = schema.error_log
+    return [f"line {one.line}: {one.message}" for one in log]
 
 
 @cache
