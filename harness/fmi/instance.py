@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import FmuError
-from harness.fmi.library import library_path, load
+from harness.fmi.library import library_path, load, mandatory_functions
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
 from harness.fmi.mark import calling, returned
 from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
@@ -57,6 +57,7 @@ class FmuInstance(ABC):
         )
         calling(name, "loading its library")
         self._library = load(path)
+        self._library.require(mandatory_functions(description.fmi_major))
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()

@@ -126,7 +126,7 @@ ARCHIVES: dict[str, tuple[Callable[[], bytes], str]] = {
     "end cut": (lambda: packed(("data", b"x"))[:-10], "cannot be unpacked"),
     "garbled": (garbled, "cannot be unpacked"),
     "name of no text": (
-        lambda: packed(("data", b"x")).replace(b"data", b"d\xff\xfe\xfd"), "unpacked|read"
+        lambda: packed(("data", b"x")).replace(b"data", b"d\xff\xfe\xfd"), "unpacked|no fmiVersion"
     ),
     "no members": (lambda: packed(description=None), "no modelDescription.xml at its root"),
     "wrong case": (
