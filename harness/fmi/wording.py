@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 
 def shorten(text: str, limit: int = 80) -> str:
     """`text` on one line, without what would command a terminal, cut to `limit` characters."""
-    flat = " ".join("".join(c if c.isprintable() else " " for c in text[: 4 * limit]).split())
+    flat = re.sub(r"\s*[\r\n\t]\s*", " ", text[: 4 * limit])
+    flat = "".join(c if c.isprintable() else " " for c in flat).strip()
     return flat if len(flat) <= limit else flat[:limit] + "…"
 
 

@@ -42,7 +42,7 @@ NUMBERS = {
     "components.plant.start_values.T=true": "must be a number (Float64), not True",
     "components.plant.start_values.T={a=1}": "must be a number",
     "components.plant.start_values.time=1": "cannot be set, for it is the independent variable",
-    "components.plant.start_values.t=1": "no variable 't' to give a start value; legal names: T, time",
+    "components.plant.start_values.t=1": "no variable 't' to give a start value; legal names: T",
     'components.plant.fmu="gone.fmu"': "gone.fmu is not a file",
     'components.plant.fmu="plnat"': "no plant 'plnat'",
     'connections."plant.w"="reference.value"': "plant has no input 'w'",
