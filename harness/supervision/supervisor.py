@@ -140,7 +140,7 @@ class _Watch:
             case Linked():
                 self.calls.linked = message
             case Chunk():
-                self.record(self.marker.rows(message.number))
+                self.record(message.rows)
                 self.chunk, self.taken = message.number + 1, 0
                 worker.connection.send(message.number)
             case Heard():
