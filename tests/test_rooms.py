@@ -17,6 +17,7 @@ FLOORS = (
     "harness.results",
     "harness.system",
     "harness.execution",
+    "harness.supervision",
     "harness.registry",
     "harness.bench",
     "harness.experiment",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.progress import Progress, TaskID
@@ -37,12 +37,22 @@ def run_command(
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
     fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
+    call_timeout: Annotated[
+        float | None, typer.Option(help="Seconds that one call into an FMU may take")
+    ] = None,
+    run_timeout: Annotated[float | None, typer.Option(help="Seconds that a run may take")] = None,
+    memory_limit: Annotated[
+        str | None, typer.Option(help="Memory that a run may hold, as in '4 GiB'")
+    ] = None,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.experiment.experiment import Experiment
 
     with notices():
-        loaded = Experiment.load(registry.experiment(experiment), settings(set_ or []))
+        limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
+        changed = settings(set_ or [])
+        changed |= limit_settings(changed, limits)
+        loaded = Experiment.load(registry.experiment(experiment), changed)
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
@@ -57,6 +67,14 @@ def run_command(
             written = _run(loaded, chosen, folder, _echo if fmi_logging else None)
         for path in written:
             console().print(f"written: {path}", markup=False, soft_wrap=True)
+
+
+def limit_settings(
+    changed: dict[str, Any], limits: dict[str, float | str | None]
+) -> dict[str, Any]:
+    """The table `limits` of the settings with those given by flags."""
+    given = {name: value for name, value in limits.items() if value is not None}
+    return {"limits": {**changed.get("limits", {}), **given}} if given else {}
 
 
 def _run(

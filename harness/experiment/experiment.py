@@ -26,6 +26,7 @@ from harness.experiment.schema import (
     SignalSpec,
 )
 from harness.results.result import Result
+from harness.supervision.limits import Limits
 
 Table = dict[str, Any]
 
@@ -152,10 +153,31 @@ class Experiment:
         seed: int | None = None,
         progress: Progress | None = None,
         echo: Echo | None = None,
+        limits: Limits | None = None,
+        in_process: bool | None = None,
     ) -> Result:
-        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does."""
-        with self.prepare(variant) as prepared:
-            return prepared.run(folder, seed=seed, progress=progress, echo=echo)
+        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does.
+
+        `limits` are those of the file where none are given.
+        """
+        spec = self.variant_spec(variant)
+        bench = self.bench(variant, seed=seed)
+        try:
+            result = bench.run(
+                folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
+                needed=needed_signals(spec), limits=limits or spec.run_limits(),
+                in_process=in_process,
+            )  # fmt: skip
+        except HarnessError as fault:
+            if fault.result is not None:
+                fault.result = self.measured(fault.result, spec)
+            raise
+        return self.measured(result, spec)
+
+    def resolved(self, variant: str, spec: ExperimentSpec) -> Table:
+        """The variant as it is run, for the manifest; `file` is where relative paths begin."""
+        dumped = spec.model_dump(mode="json", by_alias=True)
+        return dumped | {"variant": variant, "file": str(self.path.resolve())}
 
     def prepare(self, variant: str) -> PreparedVariant:
         """A variant ready for many runs; use as a context manager."""
@@ -224,13 +246,13 @@ class PreparedVariant:
 
     def _resolved(self, start_values: StartValues) -> Table:
         """The experiment as it is run, for the manifest."""
-        resolved = self._dumped | {"variant": self._variant}
+        resolved = self._resolved_spec
         changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
         return _merge(resolved, {"components": changed}) if changed else resolved
 
     @cached_property
-    def _dumped(self) -> Table:
-        return self._spec.model_dump(mode="json", by_alias=True)
+    def _resolved_spec(self) -> Table:
+        return self._experiment.resolved(self._variant, self._spec)
 
 
 def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:
