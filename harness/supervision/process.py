@@ -70,6 +70,14 @@ class WorkerProcess:
             return 0
         return int(held) * os.sysconf("SC_PAGE_SIZE")
 
+    def has_ended(self) -> bool:
+        """Whether the worker has died; it stays to be waited for."""
+        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
+        try:
+            return os.waitid(os.P_PID, self.pid, options) is not None
+        except ChildProcessError:
+            return True
+
     def end(self, *, at_once: bool) -> int | None:
         """End the worker and all that it started; its exit code, or minus the signal that ended
         it, or None where that is not known. Not `at_once`: it may take a moment to end itself."""
@@ -91,10 +99,8 @@ class WorkerProcess:
     def _wait(self, seconds: float) -> None:
         """Until the worker has ended, but no longer; it stays to be waited for."""
         until = time.monotonic() + seconds
-        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-        with contextlib.suppress(ChildProcessError):
-            while os.waitid(os.P_PID, self.pid, options) is None and time.monotonic() < until:
-                time.sleep(0.002)
+        while not self.has_ended() and time.monotonic() < until:
+            time.sleep(0.002)
 
     def _release_janitor(self) -> None:
         if self._janitor is not None:

@@ -109,6 +109,8 @@ class _Watch:
                     self.take(worker, worker.connection.recv())
                 except (EOFError, OSError):
                     return False
+            elif worker.has_ended():  # what an FMU started may hold the connection open
+                return False
             now = time.monotonic()
             if now - looked >= _LOOK_SECONDS:
                 looked = now

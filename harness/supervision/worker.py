@@ -12,6 +12,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from multiprocessing.connection import Connection
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from harness.execution.surroundings import Rows, Surroundings, Times
 from harness.fmi import mark
 from harness.fmi.instance import FmuInstance
 from harness.fmi.logger import LogMessage
+from harness.fmi.wording import shorten
 from harness.results.manifest import FmuRecord
 from harness.supervision.marker import Marker, RowMemory
 from harness.supervision.messages import (
@@ -89,10 +91,12 @@ class _Watched(Surroundings):
         self._memory: RowMemory | None = None
         self._begun = 0  # chunks begun, which is also the number of the present one
         self._taken = 0  # chunks whose rows the supervisor has
+        self._telling = Lock()
 
     def tell(self, message: Any) -> None:
-        """Send a message to the supervisor."""
-        self._connection.send(message)
+        """Send a message to the supervisor; an FMU may log from threads of its own."""
+        with self._telling:
+            self._connection.send(message)
 
     def hear(self) -> Any:
         """Wait for the supervisor."""
@@ -100,7 +104,7 @@ class _Watched(Surroundings):
 
     def heard(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something."""
-        self._marker.logged(f"{component}: {message.text}")
+        self._marker.logged(f"{component}: {shorten(message.text, 300)}")
         if self._job.logging:
             self.tell(Heard(component, message))
 
