@@ -69,7 +69,7 @@ def csv(content: bytes) -> None:
     """A CSV file, read as a signal."""
     path = _written("fuzzed.csv", content)
     table = read_csv_table(path)
-    for name in [*table.names[:3], "value"]:
+    for name in table.names[-2:]:
         CsvSignal(path, name, "linear")
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 STARTED, HALFWAY = 0, 6
 """Rows of a run that dies before its first step, and in the sixth of ten."""
 
-DIES = {
-    "segfault": "crashed with SIGSEGV", "bus": "crashed with SIGBUS", "abort": "crashed with SIGABRT",
-    "illegal": "crashed with SIGILL", "divide": "crashed with SIGFPE", "overflow": "crashed with SIGSEGV",
-    "killed": "crashed with SIGKILL", "terminated": "crashed with SIGTERM",
+_CRASHES = {
+    "segfault": "SIGSEGV", "bus": "SIGBUS", "abort": "SIGABRT", "illegal": "SIGILL",
+    "divide": "SIGFPE", "overflow": "SIGSEGV", "killed": "SIGKILL", "terminated": "SIGTERM",
+}  # fmt: skip
+DIES = {action: f"crashed with {signal}" for action, signal in _CRASHES.items()} | {
     "exit": r"ended the process as by exit\(0\)", "_exit": r"ended the process as by exit\(0\)",
     "hang": "had not returned after 0.3 s and was ended", "spin": "had not returned after 0.3 s",
     "stop": "had not returned after 0.3 s",
