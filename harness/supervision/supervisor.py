@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -21,10 +22,12 @@ from harness.execution.prepared import Echo
 from harness.execution.run import Outcome, Progress
 from harness.results.recording import Recording
 from harness.supervision import sentence
+from harness.supervision.checkpoint import write_checkpoint
 from harness.supervision.interrupts import Interrupts
 from harness.supervision.limits import Limits
 from harness.supervision.marker import WORKING, Marker, RowMemory, Where, shared_file
 from harness.supervision.messages import (
+    Checkpoint,
     Chunk,
     Ended,
     Heard,
@@ -67,15 +70,17 @@ def supervise(
     """Run `job` in a worker; the recording is left open. No fault of the run is raised."""
     watch = _Watch(limits, open_recording, progress, echo)
     marker = watch.marker
-    worker = WorkerProcess(partial(_work, job, marker, watch.descriptor))
     with Interrupts() as interrupts:
-        asked = True
+        worker = WorkerProcess(partial(_work, job, marker, watch.descriptor))
+        at_once = True
         try:
-            asked = watch.until_over(worker, interrupts)
-        finally:
-            code = worker.end(at_once=asked)
-            watch.take_rest()
-            close(watch.descriptor)
+            at_once = watch.until_over(worker, interrupts)
+        except BaseException as fault:  # of a callback; the rows are closed before it goes on
+            watch.found.fault = fault
+        code = worker.end(at_once=at_once)
+        watch.take_rest(worker)
+        worker.connection.close()
+        close(watch.descriptor)
     return watch.verdict(code)
 
 
@@ -106,9 +111,10 @@ class _Watch:
         while self.ended is None and self.found.fault is None:
             if worker.connection.poll(_LOOK_SECONDS):
                 try:
-                    self.take(worker, worker.connection.recv())
+                    message = worker.connection.recv()
                 except (EOFError, OSError):
                     return False
+                self.take(worker, message)
             now = time.monotonic()
             if now - looked >= _LOOK_SECONDS:
                 looked = now
@@ -134,7 +140,7 @@ class _Watch:
                 except HarnessError as fault:
                     self.found.fault = fault
                     return
-                worker.connection.send("go")
+                worker.tell("go")
             case Room():
                 self.memory = RowMemory(self.descriptor, message.rows, message.columns)
             case Linked():
@@ -142,7 +148,9 @@ class _Watch:
             case Chunk():
                 self.record(message.rows)
                 self.chunk, self.taken = message.number + 1, 0
-                worker.connection.send(message.number)
+                worker.tell(message.number)
+            case Checkpoint() if self.found.recording is not None:
+                self.save(self.found.recording, message.content)
             case Heard():
                 if self.echo is not None:
                     self.echo(message.component, message.message)
@@ -151,6 +159,15 @@ class _Watch:
                     getattr(sys, message.stream).write(message.text)
             case Ended():
                 self.ended = message
+
+    def save(self, recording: Recording, content: bytes) -> None:
+        """Write a checkpoint; where the disk is full the run goes on with the one before it."""
+        try:
+            recording.sync()
+            if recording.folder is not None:
+                write_checkpoint(recording.folder, content)
+        except HarnessError as fault:
+            warnings.warn(str(fault), stacklevel=2)
 
     def record(self, there: int) -> None:
         """Record the rows of the chunk under way up to number `there`."""
@@ -163,6 +180,7 @@ class _Watch:
             )
         except HarnessError as fault:
             self.found.fault = self.found.fault or fault
+            self.memory = None
         self.taken = there
 
     def look(self, worker: WorkerProcess, now: float) -> None:
@@ -185,10 +203,14 @@ class _Watch:
         if told:
             self.found.fault, self.found.died = SimulationError(told), True
 
-    def take_rest(self) -> None:
-        """The worker is gone: record what it has left in the shared memory."""
-        if not isinstance(self.found.fault, HarnessError) or self.found.recording is not None:
-            self.record(self.marker.rows(self.chunk))
+    def take_rest(self, worker: WorkerProcess) -> None:
+        """The worker is gone: take what it has left in the pipe and in the shared memory."""
+        with suppress(EOFError, OSError):
+            while worker.connection.poll(0):
+                message = worker.connection.recv()
+                if isinstance(message, (Chunk, Printed, Checkpoint)):
+                    self.take(worker, message)
+        self.record(self.marker.rows(self.chunk))
 
     def verdict(self, code: int | None) -> Supervised:
         """How it ended, in all."""
