@@ -227,6 +227,7 @@ class Bench:
         needed: Iterable[str] = (),
         limits: Limits | None = None,
         in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
@@ -237,6 +238,7 @@ class Bench:
         A system with FMUs runs in a worker process within `limits`, so that an FMU that crashes,
         hangs or exits ends the run and not the caller. What plain Python controllers remember
         stays in the worker; with `in_process` true they, and the FMUs, run in this process.
+        With `resume` the run in `folder` goes on from its last checkpoint.
         """
         if self._in_worker(in_process):
             from harness.supervision.run import run_supervised
@@ -244,8 +246,12 @@ class Bench:
             place = None if folder is None else Path(folder)
             return run_supervised(
                 self.system(), place, record=self.record, limits=limits, progress=progress,
-                echo=echo, experiment=experiment, needed=needed,
+                echo=echo, experiment=experiment, needed=needed, resume=resume,
             )  # fmt: skip
+        if limits is not None and limits.isolate and self.system().fmus:
+            raise UsageError("isolation needs a worker process of the run's own, on Linux")
+        if resume:
+            raise UsageError("only runs with FMUs, in a worker process on Linux, can be resumed")
         with self.prepare() as prepared:
             return prepared.run(
                 folder, progress=progress, echo=echo, experiment=experiment, needed=needed

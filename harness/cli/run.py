@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -44,12 +44,17 @@ def run_command(
     memory_limit: Annotated[
         str | None, typer.Option(help="Memory that a run may hold, as in '4 GiB'")
     ] = None,
+    isolate: Annotated[
+        bool, typer.Option(help="Let FMUs write no file but their own and open no connection")
+    ] = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.experiment.experiment import Experiment
 
     with notices():
+        limits: dict[str, float | str | None]
         limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
+        limits |= {"isolate": True} if isolate else {}
         changed = settings(set_ or [])
         changed |= limit_settings(changed, limits)
         loaded = Experiment.load(registry.experiment(experiment), changed)
@@ -70,7 +75,7 @@ def run_command(
 
 
 def limit_settings(
-    changed: dict[str, Any], limits: dict[str, float | str | None]
+    changed: dict[str, Any], limits: Mapping[str, float | str | None]
 ) -> dict[str, Any]:
     """The table `limits` of the settings with those given by flags."""
     given = {name: value for name, value in limits.items() if value is not None}

@@ -58,14 +58,24 @@ def compile_step(block: Block) -> CompiledStep:
 
     Raises `CompileError` naming the function and the reason.
     """
-    sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    function = _plain(block.step)
-    digest = hashlib.sha256(repr(sizes).encode())
-    _fingerprint(function, (), {}, digest)
-    name = f"step_{digest.hexdigest()[:24]}"
+    name = f"step_{step_fingerprint(block)[:24]}"
     if name not in _compiled:
-        _compiled[name] = _compile(function, sizes, name)
+        _compiled[name] = _compile(_plain(block.step), _sizes(block), name)
     return _compiled[name]
+
+
+def step_fingerprint(block: Block) -> str:
+    """The hash of all code that `block.step` runs and of its array lengths (hexadecimal).
+
+    Raises `CompileError` where the step cannot be compiled.
+    """
+    digest = hashlib.sha256(repr(_sizes(block)).encode())
+    _fingerprint(_plain(block.step), (), {}, digest)
+    return digest.hexdigest()
+
+
+def _sizes(block: Block) -> tuple[int, ...]:
+    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
 
 
 _compiled: dict[str, CompiledStep] = {}

@@ -201,9 +201,7 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surrou
         value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
         program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
     samples = _Samples(program)
-    _call(
-        program, program.initial, samples, (0, 0, 1, 0)
-    )  # machine code is loaded in no FMU's time
+    _call(program, program.initial, samples, (0, 0, 1, 0))  # loads its code in no FMU's time
     around.loop(True)
     outcome = _call(program, program.initial, samples, (0, 0, 1, 1))
     around.loop(False)

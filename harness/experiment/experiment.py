@@ -181,6 +181,11 @@ class Experiment:
 
     def prepare(self, variant: str) -> PreparedVariant:
         """A variant ready for many runs; use as a context manager."""
+        if self.variant_spec(variant).limits.isolate:
+            raise ExperimentError(
+                f"{self.path}: key limits.isolate: studies and sweeps run many times in one worker "
+                "and cannot isolate each run; run the variants one by one"
+            )
         return PreparedVariant(self, variant)
 
     def measured(self, result: Result, spec: ExperimentSpec) -> Result:

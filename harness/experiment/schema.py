@@ -68,7 +68,7 @@ class SensitivitySpec(Strict):
 
 
 def _kind(table: Any) -> str | None:
-    keys = table if isinstance(table, dict) else vars(table)
+    keys = table if isinstance(table, dict) else getattr(table, "__dict__", ())
     found = [kind for kind in KINDS if kind in keys]
     return found[0] if len(found) == 1 else None
 
@@ -189,11 +189,13 @@ class StudySpec(Strict):
 
 class LimitsSpec(Strict):
     """What a run may use: seconds a `call` into an FMU may take, seconds for the whole `run`
-    (absent: any), and `memory` such as "4 GiB" (absent: nine tenths of the machine's)."""
+    (absent: any), and `memory` such as "4 GiB" (absent: nine tenths of the machine's). With
+    `isolate` it may write no file but its own, open no connection and signal nobody."""
 
     call: float = Field(default=CALL_SECONDS, gt=0.0)
     run: float | None = Field(default=None, gt=0.0)
     memory: str | int | None = None
+    isolate: bool = False
 
     @field_validator("memory")
     @classmethod
@@ -242,4 +244,5 @@ class ExperimentSpec(Strict):
     def run_limits(self) -> Limits:
         """The limits of a run."""
         memory = None if self.limits.memory is None else memory_size(self.limits.memory)
-        return Limits(self.limits.call, self.limits.run, memory, self.checkpoint.every or None)
+        every = self.checkpoint.every or None
+        return Limits(self.limits.call, self.limits.run, memory, every, self.limits.isolate)

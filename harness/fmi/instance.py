@@ -218,6 +218,33 @@ class FmuInstance(ABC):
             "FreeFMUState" if self.prefix == "fmi3" else "FreeFMUstate", ctypes.pointer(state)
         )
 
+    def serialized_state(self) -> bytes:
+        """A snapshot as bytes, which outlives the process; raises `FmuError`."""
+        state, size = self.get_state(), ctypes.c_size_t()
+        try:
+            self.call(f"Serialized{self._state}Size", state, ctypes.pointer(size))
+            content = (ctypes.c_uint8 * size.value)()
+            first = ctypes.cast(content, ctypes.c_void_p)
+            self.call(f"Serialize{self._state}", state, first, size)
+        finally:
+            self.free_state(state)
+        return bytes(content)
+
+    def restore_state(self, content: bytes) -> None:
+        """Return to a snapshot in bytes, of an instance of the same FMU; raises `FmuError`."""
+        state, size = ctypes.c_void_p(), ctypes.c_size_t(len(content))
+        first = ctypes.cast(ctypes.create_string_buffer(content, len(content)), ctypes.c_void_p)
+        verb = "Deserialize" if self.prefix == "fmi3" else "DeSerialize"
+        self.call(f"{verb}{self._state}", first, size, ctypes.pointer(state))
+        try:
+            self.set_state(state)
+        finally:
+            self.free_state(state)
+
+    @property
+    def _state(self) -> str:
+        return "FMUState" if self.prefix == "fmi3" else "FMUstate"
+
     # derivatives
 
     def directional_derivative(

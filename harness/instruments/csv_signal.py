@@ -48,8 +48,8 @@ class CsvTable:
         if len(backwards):
             row = int(backwards[0]) + 1
             raise ExperimentError(
-                f"{self.path}: time goes back from {seconds[row - 1]:.9g} s to {seconds[row]:.9g} s "
-                f"in row {row + 1} of the values; times must not decrease"
+                f"{self.path}: time goes back from {seconds[row - 1]:.9g} s to "
+                f"{seconds[row]:.9g} s in row {row + 1} of the values; times must not decrease"
             )
         return times_ns
 

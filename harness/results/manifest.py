@@ -55,7 +55,7 @@ class FmuRecord:
 @dataclass(frozen=True)
 class Manifest:
     """The content of `manifest.json`. `seeds` by name of the random source, `experiment` resolved
-    to plain data; `wall_time` in seconds."""
+    to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints."""
 
     columns: tuple[Column, ...] = ()
     status: RunStatus = field(default_factory=lambda: RunStatus(RUNNING))
@@ -66,6 +66,7 @@ class Manifest:
     platform: str = field(default_factory=platform.platform)
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     wall_time: float | None = None
+    not_resumable: str = ""
     format: int = 1
 
     def write(self, folder: Path) -> None:

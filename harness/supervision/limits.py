@@ -25,12 +25,14 @@ _CGROUP = Path("/sys/fs/cgroup/memory.max")
 class Limits:
     """Limits of one run: seconds a single call may take, seconds the whole run may take (None:
     any), bytes of memory the worker may hold (None: nine tenths of the machine's), and every how
-    many seconds of wall time a checkpoint is written (None: never)."""
+    many seconds of wall time a checkpoint is written (None: never). With `isolate` the worker gives
+    up what `harness.supervision.isolation` says."""
 
     call: float | None = CALL_SECONDS
     run: float | None = None
     memory: int | None = None
     checkpoint: float | None = CHECKPOINT_SECONDS
+    isolate: bool = False
 
     def __post_init__(self) -> None:
         """Raises `UsageError` where a limit is not positive."""

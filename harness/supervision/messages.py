@@ -12,29 +12,32 @@ from harness.execution.run import Outcome
 from harness.fmi.logger import LogMessage
 from harness.results.columns import Column
 from harness.results.manifest import FmuRecord
+from harness.supervision.checkpoint import Snapshot
 from harness.system.graph import System
 
 
 @dataclass(frozen=True)
 class Job:
     """What a worker has to run: `logging` asks FMUs to log, `every` is the seconds between
-    checkpoints (None: none), `resumed` the content of the checkpoint to begin with."""
+    checkpoints (None: none), `resumed` what to begin with."""
 
     system: System
     record: tuple[str, ...] = ("*",)
     needed: tuple[str, ...] = ()
     logging: bool = False
     every: float | None = None
-    resumed: bytes | None = None
+    resumed: Snapshot | None = None
 
 
 @dataclass(frozen=True)
 class Planned:
-    """The system is whole; the worker waits for leave to go on. `files` by FMU component."""
+    """The system is whole; the worker waits for leave to go on. `files` by FMU component;
+    `not_resumable`: why there can be no checkpoints, or nothing."""
 
     columns: tuple[Column, ...]
     fmus: tuple[FmuRecord, ...]
     files: dict[str, Path]
+    not_resumable: str
 
 
 @dataclass(frozen=True)
@@ -65,10 +68,9 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The state after all chunks told so far; `why_not` where it cannot be saved."""
+    """The state after all chunks told so far."""
 
-    content: bytes = b""
-    why_not: str = ""
+    content: bytes
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 _JANITOR = 'read -r _; kill -9 -- "-$1"; rm -rf -- "$2"'
 _PR_SET_PDEATHSIG = 1
@@ -62,6 +63,11 @@ class WorkerProcess:
             os.setpgid(self.pid, self.pid)
         self._janitor = _janitor(self.pid, self.folder)
 
+    def tell(self, message: Any) -> None:
+        """Send a message, which is lost where the worker is gone."""
+        with contextlib.suppress(OSError):
+            self.connection.send(message)
+
     def memory(self) -> int:
         """Bytes of memory that the worker holds; 0 where it is gone."""
         try:
@@ -92,7 +98,6 @@ class WorkerProcess:
             code = None
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, signal.SIGKILL)  # what it started while it was dying
-        self.connection.close()
         shutil.rmtree(self.folder, ignore_errors=True)
         return code
 

@@ -12,8 +12,10 @@ from harness.execution.run import Progress
 from harness.results.manifest import Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
+from harness.supervision.checkpoint import CHECKPOINT_FILE
 from harness.supervision.limits import Limits
 from harness.supervision.messages import Job, Planned
+from harness.supervision.resume import resumable
 from harness.supervision.supervisor import Supervised, supervise
 from harness.system.graph import System
 
@@ -28,17 +30,26 @@ def run_supervised(
     echo: Echo | None = None,
     experiment: Mapping[str, Any] | None = None,
     needed: Iterable[str] = (),
+    resume: bool = False,
 ) -> Result:
-    """Run `system` in a worker process; otherwise as `Bench.run`."""
+    """Run `system` in a worker process; otherwise as `Bench.run`.
+
+    With `resume` the `folder` holds a run of the same system that ended early; it goes on from its
+    last checkpoint, or from its start where there is none yet. Raises `RecordingError` or
+    `ExperimentError` where it cannot, and leaves the folder as it was.
+    """
     limits = limits or Limits()
     every = limits.checkpoint if folder is not None else None
-    job = Job(system, tuple(record), tuple(needed), echo is not None, every)
+    resumed = resumable(folder) if resume and folder is not None else None
+    job = Job(system, tuple(record), tuple(needed), echo is not None, every, resumed)
 
     def open_recording(planned: Planned) -> Recording:
         manifest = Manifest(
-            fmus=planned.fmus, seeds={"seed": system.seed}, experiment=dict(experiment or {})
-        )
-        return Recording(planned.columns, folder, manifest)
+            fmus=planned.fmus, seeds={"seed": system.seed}, experiment=dict(experiment or {}),
+            not_resumable=planned.not_resumable,
+        )  # fmt: skip
+        rows = None if not resume else resumed.rows if resumed is not None else 0
+        return Recording(planned.columns, folder, manifest, continued=rows)
 
     return conclude(supervise(job, limits, open_recording, progress=progress, echo=echo), folder)
 
@@ -50,9 +61,13 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
         assert fault is not None
         raise fault
     if fault is None:
-        return found.recording.finish()
+        result = found.recording.finish()
+        if folder is not None:
+            (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
+        return result
+    resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
     try:
-        result = found.recording.finish(_reason(fault))
+        result = found.recording.finish(_reason(fault), keep_stream=resumable)
     except HarnessError as second:  # a full disk; the rows that were written stay in their stream
         if isinstance(fault, HarnessError):
             raise fault from second

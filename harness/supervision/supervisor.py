@@ -8,12 +8,15 @@ handling later. Nothing that an FMU does runs in this process.
 from __future__ import annotations
 
 import sys
+import tempfile
 import time
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from os import close
+from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, SimulationError
@@ -21,10 +24,13 @@ from harness.execution.prepared import Echo
 from harness.execution.run import Outcome, Progress
 from harness.results.recording import Recording
 from harness.supervision import sentence
+from harness.supervision.checkpoint import write_checkpoint
 from harness.supervision.interrupts import Interrupts
+from harness.supervision.isolation import isolate, missing
 from harness.supervision.limits import Limits
 from harness.supervision.marker import WORKING, Marker, RowMemory, Where, shared_file
 from harness.supervision.messages import (
+    Checkpoint,
     Chunk,
     Ended,
     Heard,
@@ -67,19 +73,25 @@ def supervise(
     """Run `job` in a worker; the recording is left open. No fault of the run is raised."""
     watch = _Watch(limits, open_recording, progress, echo)
     marker = watch.marker
-    worker = WorkerProcess(partial(_work, job, marker, watch.descriptor))
+    for phrase in missing() if limits.isolate else ():
+        warnings.warn(f"the run is isolated in part only: {phrase}", stacklevel=2)
     with Interrupts() as interrupts:
-        asked = True
+        worker = WorkerProcess(partial(_work, job, marker, watch.descriptor, limits))
+        at_once = True
         try:
-            asked = watch.until_over(worker, interrupts)
-        finally:
-            code = worker.end(at_once=asked)
-            watch.take_rest()
-            close(watch.descriptor)
+            at_once = watch.until_over(worker, interrupts)
+        except BaseException as fault:  # of a callback; the rows are closed before it goes on
+            watch.found.fault = fault
+        code = worker.end(at_once=at_once)
+        watch.take_rest(worker)
+        worker.connection.close()
+        close(watch.descriptor)
     return watch.verdict(code)
 
 
-def _work(job: Job, marker: Marker, descriptor: int, connection: Any) -> None:
+def _work(job: Job, marker: Marker, descriptor: int, limits: Limits, connection: Any) -> None:
+    if limits.isolate:
+        isolate((Path(tempfile.gettempdir()),), limits.memory_bytes)
     work(job, connection, marker, descriptor)
 
 
@@ -106,9 +118,10 @@ class _Watch:
         while self.ended is None and self.found.fault is None:
             if worker.connection.poll(_LOOK_SECONDS):
                 try:
-                    self.take(worker, worker.connection.recv())
+                    message = worker.connection.recv()
                 except (EOFError, OSError):
                     return False
+                self.take(worker, message)
             elif worker.has_ended():  # what an FMU started may hold the connection open
                 return False
             now = time.monotonic()
@@ -136,7 +149,7 @@ class _Watch:
                 except HarnessError as fault:
                     self.found.fault = fault
                     return
-                worker.connection.send("go")
+                worker.tell("go")
             case Room():
                 self.memory = RowMemory(self.descriptor, message.rows, message.columns)
             case Linked():
@@ -144,7 +157,9 @@ class _Watch:
             case Chunk():
                 self.record(message.rows)
                 self.chunk, self.taken = message.number + 1, 0
-                worker.connection.send(message.number)
+                worker.tell(message.number)
+            case Checkpoint() if self.found.recording is not None:
+                self.save(self.found.recording, message.content)
             case Heard():
                 if self.echo is not None:
                     self.echo(message.component, message.message)
@@ -153,6 +168,15 @@ class _Watch:
                     getattr(sys, message.stream).write(message.text)
             case Ended():
                 self.ended = message
+
+    def save(self, recording: Recording, content: bytes) -> None:
+        """Write a checkpoint; where the disk is full the run goes on with the one before it."""
+        try:
+            recording.sync()
+            if recording.folder is not None:
+                write_checkpoint(recording.folder, content)
+        except HarnessError as fault:
+            warnings.warn(str(fault), stacklevel=2)
 
     def record(self, there: int) -> None:
         """Record the rows of the chunk under way up to number `there`."""
@@ -165,6 +189,7 @@ class _Watch:
             )
         except HarnessError as fault:
             self.found.fault = self.found.fault or fault
+            self.memory = None
         self.taken = there
 
     def look(self, worker: WorkerProcess, now: float) -> None:
@@ -187,10 +212,14 @@ class _Watch:
         if told:
             self.found.fault, self.found.died = SimulationError(told), True
 
-    def take_rest(self) -> None:
-        """The worker is gone: record what it has left in the shared memory."""
-        if not isinstance(self.found.fault, HarnessError) or self.found.recording is not None:
-            self.record(self.marker.rows(self.chunk))
+    def take_rest(self, worker: WorkerProcess) -> None:
+        """The worker is gone: take what it has left in the pipe and in the shared memory."""
+        with suppress(EOFError, OSError):
+            while worker.connection.poll(0):
+                message = worker.connection.recv()
+                if isinstance(message, (Chunk, Printed, Checkpoint)):
+                    self.take(worker, message)
+        self.record(self.marker.rows(self.chunk))
 
     def verdict(self, code: int | None) -> Supervised:
         """How it ended, in all."""

@@ -18,18 +18,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.errors import ExperimentError, FmuError
 from harness.execution.faults import call_name
+from harness.execution.loop import CYCLE, INSTANT
+from harness.execution.plan import Plan
 from harness.execution.prepared import check_needed
 from harness.execution.program import Program
 from harness.execution.run import columns_of, execute, opened, plan_system
 from harness.execution.surroundings import Rows, Surroundings, Times
 from harness.fmi import mark
+from harness.fmi.fmu import Fmu
 from harness.fmi.instance import FmuInstance
 from harness.fmi.logger import LogMessage
 from harness.fmi.wording import shorten
 from harness.results.manifest import FmuRecord
+from harness.supervision.checkpoint import differences, made_of, restore, take, why_not
 from harness.supervision.marker import Marker, RowMemory
 from harness.supervision.messages import (
+    Checkpoint,
     Chunk,
     Ended,
     Heard,
@@ -69,7 +75,8 @@ def _run(job: Job, around: _Watched) -> Ended:
         check_needed(job.needed, columns)
         records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
         files = {name: fmu.path for name, fmu in fmus.items()}
-        around.tell(Planned(columns, records, files))
+        reason = around.plan(plan, fmus)
+        around.tell(Planned(columns, records, files, reason))
         around.hear()
         outcome = execute(
             plan, fmus, around, echo=around.heard, logging=job.logging, surroundings=around
@@ -92,6 +99,10 @@ class _Watched(Surroundings):
         self._begun = 0  # chunks begun, which is also the number of the present one
         self._taken = 0  # chunks whose rows the supervisor has
         self._telling = Lock()
+        self._rows = 0
+        self._made_of: dict[str, str] | None = None  # None: no checkpoints
+        self._live: tuple[Program, Mapping[str, FmuInstance]] | None = None
+        self._saved = time.monotonic()
 
     def tell(self, message: Any) -> None:
         """Send a message to the supervisor; an FMU may log from threads of its own."""
@@ -101,6 +112,22 @@ class _Watched(Surroundings):
     def hear(self) -> Any:
         """Wait for the supervisor."""
         return self._connection.recv()
+
+    def plan(self, plan: Plan, fmus: Mapping[str, Fmu]) -> str:
+        """Find out whether there can be checkpoints, and why not; refuse one of another run."""
+        interfaces = {name: fmu.description.co_simulation for name, fmu in fmus.items()}
+        can = {name: i is not None and i.can_serialize_fmu_state for name, i in interfaces.items()}
+        reason = why_not(plan, can)
+        if self._job.every is not None and not reason:
+            self._made_of = made_of(plan, {name: fmu.sha256 for name, fmu in fmus.items()})
+        if self._job.resumed is not None:
+            changed = differences(self._job.resumed.made_of, self._made_of or {})
+            if changed:
+                raise ExperimentError(
+                    f"the run cannot be resumed, since it is not what it was: {', '.join(changed)} "
+                    "changed; run it again into another folder"
+                )
+        return reason
 
     def heard(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something."""
@@ -125,6 +152,7 @@ class _Watched(Surroundings):
 
     def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """A chunk is done; its rows are where the supervisor finds them."""
+        self._rows += len(rows)
         self.tell(Chunk(self._begun, len(rows)))
 
     def linked(self, program: Program) -> None:
@@ -142,18 +170,40 @@ class _Watched(Surroundings):
         self.tell(Linked(tuple(calls), index.tobytes(), cycles))
 
     def begin(self, program: Program, instances: Mapping[str, FmuInstance]) -> int:
-        """The first cycle."""
-        self._last = time.monotonic()
-        return 0
+        """The first cycle, or that after the checkpoint."""
+        self._live = program, instances
+        self._saved = time.monotonic()
+        snapshot = self._job.resumed
+        if snapshot is None:
+            return 0
+        restore(program, instances, snapshot)
+        self._rows = snapshot.rows
+        self.clock[CYCLE], self.clock[INSTANT] = snapshot.cycle, snapshot.now_ns
+        return snapshot.cycle
 
     def loop(self, inside: bool) -> None:
         """Mark that the loop runs."""
         self._marker.looping(inside)
 
     def between(self, cycle: int) -> None:
-        """End where the supervisor wants it."""
-        if self._marker.stop_asked:
+        """Save the state where it is time to; end where the supervisor wants it."""
+        stop = self._marker.stop_asked
+        due = self._job.every is not None and time.monotonic() - self._saved >= self._job.every
+        if self._made_of is not None and (due or stop):
+            self._save(cycle)
+        if stop:
             raise StopAskedError
+
+    def _save(self, cycle: int) -> None:
+        assert self._live is not None and self._made_of is not None
+        now = int(self.clock[INSTANT])
+        try:
+            snapshot = take(*self._live, cycle, self._rows, now, self._made_of)
+        except FmuError:  # it promised what it cannot do; the run itself goes on
+            self._made_of = None
+            return
+        self.tell(Checkpoint(snapshot.to_bytes()))
+        self._saved = time.monotonic()
 
 
 class _Forward(io.TextIOBase):
