@@ -39,6 +39,7 @@ from harness.supervision.messages import (
     unpacked,
 )
 from harness.supervision.process import WorkerProcess
+from harness.supervision.warm import warm_up
 from harness.supervision.worker import work
 
 _LOOK_SECONDS = 0.05
@@ -70,6 +71,7 @@ def supervise(
     """Run `job` in a worker; the recording is left open. No fault of the run is raised."""
     watch = _Watch(limits, open_recording, progress, echo)
     marker = watch.marker
+    warm_up(job.system)
     with Interrupts() as interrupts:
         worker = WorkerProcess(partial(_work, job, marker, watch.descriptor))
         at_once = True
