@@ -200,10 +200,8 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surrou
         first = signal.source.sampler(named_seed(system.seed, signal.name))
         value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
         program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
-    samples = _Samples(program)
-    _call(program, program.initial, samples, (0, 0, 1, 0))  # loads its code in no FMU's time
     around.loop(True)
-    outcome = _call(program, program.initial, samples, (0, 0, 1, 1))
+    outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
     around.loop(False)
     if outcome != op.OK:
         raise explain(program, instances, outcome)

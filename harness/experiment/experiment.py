@@ -25,6 +25,8 @@ from harness.experiment.schema import (
     FmuSpec,
     SignalSpec,
 )
+from harness.results.manifest import has_run, is_complete
+from harness.results.recording import read_recording
 from harness.results.result import Result
 from harness.supervision.limits import Limits
 
@@ -155,18 +157,23 @@ class Experiment:
         echo: Echo | None = None,
         limits: Limits | None = None,
         in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
         """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does.
 
-        `limits` are those of the file where none are given.
+        `limits` are those of the file where none are given. With `resume` a run that is complete
+        in `folder` is read, and one that ended early goes on.
         """
         spec = self.variant_spec(variant)
+        begun = resume and folder is not None and has_run(Path(folder))
+        if begun and folder is not None and is_complete(Path(folder)):
+            return self.measured(read_recording(Path(folder)), spec)
         bench = self.bench(variant, seed=seed)
         try:
             result = bench.run(
                 folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
                 needed=needed_signals(spec), limits=limits or spec.run_limits(),
-                in_process=in_process,
+                in_process=in_process, resume=begun,
             )  # fmt: skip
         except HarnessError as fault:
             if fault.result is not None:

@@ -92,6 +92,16 @@ def read_manifest(folder: Path) -> Manifest:
         raise RecordingError(f"{path} cannot be read as a manifest: {fault!r}") from fault
 
 
+def has_run(folder: Path) -> bool:
+    """Whether a run was begun in `folder`."""
+    return (folder / FILE_NAME).exists()
+
+
+def is_complete(folder: Path) -> bool:
+    """Whether the run in `folder` reached its stop time; raises `RecordingError`."""
+    return read_manifest(folder).status.state == COMPLETE
+
+
 def software_versions() -> dict[str, str]:
     """Versions of Python, the harness and what it computes with; "not installed" where absent."""
     return dict(_installed())

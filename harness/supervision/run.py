@@ -76,7 +76,14 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
         fault = SimulationError(f"{fault}; {_kept(result, folder)}")
     if isinstance(fault, HarnessError):
         fault.result = result
+    if isinstance(fault, KeyboardInterrupt):
+        raise KeyboardInterrupt(_interrupted(result))
     raise fault
+
+
+def _interrupted(result: Result) -> str:
+    until = result.status.until
+    return f"interrupted by Ctrl-C at t = {until or 0.0:.9g} s"
 
 
 def _kept(result: Result, folder: Path) -> str:

@@ -42,6 +42,7 @@ from harness.supervision.messages import (
     unpacked,
 )
 from harness.supervision.process import WorkerProcess
+from harness.supervision.warm import warm_up
 from harness.supervision.worker import work
 
 _LOOK_SECONDS = 0.05
@@ -75,6 +76,7 @@ def supervise(
     marker = watch.marker
     for phrase in missing() if limits.isolate else ():
         warnings.warn(f"the run is isolated in part only: {phrase}", stacklevel=2)
+    warm_up(job.system)
     with Interrupts() as interrupts:
         worker = WorkerProcess(partial(_work, job, marker, watch.descriptor, limits))
         at_once = True
