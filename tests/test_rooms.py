@@ -16,6 +16,7 @@ FLOORS = (
     "harness.fmi",
     "harness.results",
     "harness.system",
+    "harness.simulation",
     "harness.execution",
     "harness.supervision",
     "harness.registry",

@@ -37,6 +37,10 @@ def _as_data(d: ModelDescription, sha256: str) -> dict[str, Any]:
     plain["variables"] = [dataclasses.asdict(v) for v in d.variables.values()]
     plain["units"] = {name: dataclasses.asdict(unit) for name, unit in d.units.items()}
     plain["feedthrough"] = dict(d.feedthrough)
+    plain["display_units"] = {
+        unit: {name: dataclasses.asdict(one) for name, one in shown.items()}
+        for unit, shown in d.display_units.items()
+    }
     return {"sha256": sha256, **plain}
 
 
@@ -52,6 +56,8 @@ def _identity(d: ModelDescription, sha256: str) -> Table:
     kinds = {"co-simulation": d.co_simulation, "model exchange": d.model_exchange}
     for kind, capabilities in kinds.items():
         table.add_row(kind, "no" if capabilities is None else _capabilities(capabilities))
+    if d.scheduled_execution:
+        table.add_row("scheduled execution", "yes; it is not run here")
     defaults = {"start": d.start_time, "stop": d.stop_time, "step": d.step_size}
     shown = ", ".join(f"{k} {v:g} s" for k, v in defaults.items() if v is not None)
     table.add_row("default experiment", shown or "none")

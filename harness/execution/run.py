@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.clock import to_seconds
-from harness.errors import GraphError, HarnessError, SimulationError, nearest
+from harness.errors import FmuError, GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
 from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
@@ -183,6 +183,11 @@ def _instance(
     logging: bool,
 ) -> FmuInstance:
     name = component.name
+    if fmu.description.fmi_major == 1:
+        raise FmuError(
+            f"component {name}: its FMU is of FMI 1, and the loop runs FMI 2 and 3; "
+            "`fmu-harness simulate` runs it on its own"
+        )
     seen = None if echo is None else (lambda message: echo(name, message))
     return fmu.instantiate(name, logging=logging, echo=seen)
 

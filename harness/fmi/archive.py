@@ -14,7 +14,6 @@ from __future__ import annotations
 import hashlib
 import shutil
 import struct
-import tempfile
 import weakref
 import zipfile
 import zlib
@@ -23,6 +22,7 @@ from typing import Self
 
 from harness.errors import FmuError
 from harness.fmi.archive_checks import DESCRIPTION, check_members, check_root
+from harness.fmi.temporary import make_folder
 from harness.fmi.wording import shorten
 
 _BROKEN = (
@@ -48,9 +48,9 @@ class Archive:
         self.path = Path(path)
         self.sha256 = _hash(self.path)
         try:
-            self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-"))
+            self.folder = make_folder()
         except OSError as fault:
-            raise FmuError(f"FMU {self.path}: no folder to unpack it into: {fault}") from None
+            raise FmuError(f"FMU {self.path}: no folder to unpack it into: {fault}") from fault
         self._finalizer = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         try:
             self._unpack()

@@ -8,14 +8,15 @@ from typing import Self
 
 from harness.errors import FmuError
 from harness.fmi.archive import Archive
+from harness.fmi.fmi1 import Fmi1Instance
 from harness.fmi.fmi2 import Fmi2Instance
 from harness.fmi.fmi3 import Fmi3Instance
-from harness.fmi.instance import FmuInstance
+from harness.fmi.instance import CO_SIMULATION, FmuInstance, InterfaceType
 from harness.fmi.library import unload_below
 from harness.fmi.logger import LogMessage
 from harness.fmi.model_description import read_model_description
 
-_KINDS: dict[int, type[FmuInstance]] = {2: Fmi2Instance, 3: Fmi3Instance}
+_KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi3Instance}
 
 
 class Fmu:
@@ -40,16 +41,23 @@ class Fmu:
         self,
         name: str,
         *,
+        interface_type: InterfaceType = CO_SIMULATION,
+        event_mode: bool = False,
+        early_return: bool = False,
         logging: bool = False,
         echo: Callable[[LogMessage], None] | None = None,
     ) -> FmuInstance:
-        """A new instance for co-simulation; raises `FmuError`."""
+        """A new instance; raises `FmuError`. `event_mode` and `early_return` say that the caller
+        handles events and steps that end early, in FMI 3 co-simulation."""
         kind = _KINDS.get(self.description.fmi_major)
         if kind is None:
             raise FmuError(
-                f"FMU {self.path} is FMI {self.description.fmi_version}; FMI 2 and 3 can be run"
+                f"FMU {self.path} is FMI {self.description.fmi_version}; FMI 1, 2 and 3 can be run"
             )
-        return kind(self.description, self.folder, name, logging=logging, echo=echo)
+        return kind(
+            self.description, self.folder, name, interface_type=interface_type,
+            event_mode=event_mode, early_return=early_return, logging=logging, echo=echo,
+        )  # fmt: skip
 
     def close(self) -> None:
         """Unload the library where no instance is left, and remove the unpacked files."""

@@ -1,11 +1,11 @@
-"""One instance of an FMU in co-simulation: its life cycle and its values, FMI 2 and FMI 3 alike.
+"""One instance of an FMU: its life cycle and its values, all versions of FMI alike.
 
 Everything outside the loop goes through here, one ctypes call at a time; the loop itself takes
 the addresses (`address`, `handle`) and calls them directly. Statuses are treated as the standard
 says: Warning goes on, Discard and Error raise, after Fatal nothing is called any more, not even
-free.
+free. What is particular to model exchange and to events is in `continuous.py` and `events.py`.
 
-This module refuses FMI 1, model exchange and scheduled execution.
+This module refuses scheduled execution.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +24,56 @@ from harness.errors import FmuError
 from harness.fmi.library import library_path, load, mandatory_functions
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
 from harness.fmi.mark import calling, returned
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
+from harness.fmi.model_description import Capabilities, ModelDescription, Variable
+from harness.fmi.values import Value, Values, binaries, binary_pointers, from_c, to_c
+
+__all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
+           "StepOutcome", "Value", "capabilities"]  # fmt: skip
 
 DISCARD = 2
 FATAL = 4
-Value = float | int | bool | str
+InterfaceType = Literal["co-simulation", "model-exchange"]
+CO_SIMULATION: InterfaceType = "co-simulation"
+MODEL_EXCHANGE: InterfaceType = "model-exchange"
+
+
+@dataclass(frozen=True)
+class StepOutcome:
+    """How a communication step ended: the time (s) up to which it was computed, whether the FMU
+    asks for event handling or for the end of the simulation, and whether it gave the step up."""
+
+    time: float
+    event_needed: bool = False
+    terminate: bool = False
+    discarded: bool = False
+
+
+@dataclass(frozen=True)
+class DiscreteStates:
+    """What an FMU says after one iteration of event handling; `next_event_time` in s."""
+
+    needs_update: bool
+    terminate: bool = False
+    nominals_changed: bool = False
+    values_changed: bool = False
+    next_event_time: float | None = None
+
+
+def capabilities(description: ModelDescription, interface_type: InterfaceType) -> Capabilities:
+    """What the FMU can do in this kind of interface; raises `FmuError` where it lacks it."""
+    kinds = {
+        CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange,
+    }  # fmt: skip
+    found = kinds[interface_type]
+    if found is None:
+        offered: list[str] = [kind for kind, one in kinds.items() if one is not None]
+        if description.scheduled_execution:
+            offered.append("scheduled execution, which needs a real-time scheduler and is not run")
+        raise FmuError(
+            f"FMU {description.name} offers no {interface_type}; it offers "
+            + (" and ".join(offered) or "nothing")
+        )
+    return found
 
 
 class FmuInstance(ABC):
@@ -42,25 +88,32 @@ class FmuInstance(ABC):
         folder: Path,
         name: str,
         *,
+        interface_type: InterfaceType = CO_SIMULATION,
+        event_mode: bool = False,
+        early_return: bool = False,
         logging: bool = False,
         echo: Callable[[LogMessage], None] | None = None,
     ) -> None:
-        """Load and instantiate; raises `FmuError` with what the FMU logged."""
-        if description.co_simulation is None:
-            raise FmuError(f"FMU {description.name} offers no co-simulation")
+        """Load and instantiate; raises `FmuError` with what the FMU logged.
+
+        `event_mode` and `early_return` are for FMI 3 co-simulation only.
+        """
+        self.capabilities = capabilities(description, interface_type)
         self.description = description
         self.name = name
+        self.interface_type = interface_type
+        self.event_mode, self.early_return = event_mode, early_return
+        self.structural: dict[str, int] = {}
         self.log = MessageLog(echo)
-        self._environment = register(self.log)
-        path = library_path(
-            folder, description.co_simulation.model_identifier, description.fmi_major
-        )
+        path = library_path(folder, self.capabilities.model_identifier, description.fmi_major)
         calling(name, "loading its library")
         self._library = load(path)
-        self._library.require(mandatory_functions(description.fmi_major))
+        exchange = interface_type == MODEL_EXCHANGE
+        self._library.require(mandatory_functions(description.fmi_major, exchange))
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
+        self._environment = register(self.log)
         calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
         returned()
@@ -76,21 +129,33 @@ class FmuInstance(ABC):
     @abstractmethod
     def _instantiate(self, folder: Path, logging: bool) -> int | None: ...
 
+    def symbol(self, name: str) -> str:
+        """The full name of the C function `name`."""
+        return self.prefix + name
+
     def address(self, name: str) -> int:
         """Address of the C function `name`, without its prefix ("SetReal")."""
-        return self._library.address(self.prefix + name)
+        return self._library.address(self.symbol(name))
+
+    def offers(self, name: str) -> bool:
+        """Whether the library has the C function `name`; many FMUs leave out what is optional."""
+        return self._library.find(self.symbol(name)) is not None
 
     def call(self, name: str, *arguments: Any, what: str = "") -> None:
         """Call the C function `name` of this instance; raise unless it succeeds."""
+        self.check(self.status(name, *arguments, what=what), name, what)
+
+    def status(self, name: str, *arguments: Any, what: str = "") -> int:
+        """Call the C function `name` of this instance; its status."""
         self._refuse_when_dead()
         function = self._functions.get(name)
         if function is None:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
             function = self._functions[name] = prototype(self.address(name))
         calling(self.name, f"{self.prefix}{name}{what}")
-        status = function(self.handle, *arguments)
+        status: int = function(self.handle, *arguments)
         returned()
-        self.check(status, name, what)
+        return status
 
     def check(self, status: int, name: str, what: str = "") -> None:
         """Raise `FmuError` when `status` of function `name` is Discard, Error or Fatal."""
@@ -100,7 +165,7 @@ class FmuInstance(ABC):
             self.mark_dead()
         label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
         raise FmuError(
-            f"component {self.name}: {self.prefix}{name}{what} returned {label}: "
+            f"component {self.name}: {self.symbol(name)}{what} returned {label}: "
             f"{self.log.reasons()}"
         )
 
@@ -134,11 +199,13 @@ class FmuInstance(ABC):
         """Bring the instance back to where it was after instantiation."""
         self.call("Reset")
 
+    free_function = "FreeInstance"
+
     def free(self) -> None:
         """Free the instance; harmless when it is gone already."""
         if self.handle and not self._library.corrupted:
-            function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address("FreeInstance"))
-            calling(self.name, f"{self.prefix}FreeInstance")
+            function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address(self.free_function))
+            calling(self.name, f"{self.prefix}{self.free_function}")
             function(self.handle)
             returned()
             self._library.instances -= 1
@@ -151,13 +218,37 @@ class FmuInstance(ABC):
     def __exit__(self, *_: object) -> None:
         self.free()
 
-    @abstractmethod
     def do_step(self, time: float, step: float) -> None:
-        """Step from `time` by `step` (s)."""
+        """Step from `time` by `step` (s); raises `FmuError` unless the whole step was done."""
+        outcome = self.advance(time, step)
+        if outcome.discarded:
+            self.check(DISCARD, "DoStep", f" at t = {time:.9g} s")
+
+    @abstractmethod
+    def advance(self, time: float, step: float) -> StepOutcome:
+        """Step from `time` by `step` (s), and say how far it came; raises `FmuError`."""
 
     def asks_for_the_end(self) -> bool:
         """Whether a discarded step means that the FMU wishes the simulation to end."""
         return False
+
+    # events
+
+    @abstractmethod
+    def enter_event_mode(self) -> None:
+        """Stop the continuous part; inputs of all kinds may be set, events are handled."""
+
+    @abstractmethod
+    def leave_event_mode(self) -> None:
+        """Go on: continuous-time mode in model exchange, step mode in co-simulation."""
+
+    @abstractmethod
+    def update_discrete_states(self) -> DiscreteStates:
+        """One iteration of event handling."""
+
+    @abstractmethod
+    def completed_integrator_step(self) -> tuple[bool, bool]:
+        """After an accepted step of the solver: whether to handle an event, and to end."""
 
     # values
 
@@ -165,38 +256,64 @@ class FmuInstance(ABC):
     def accessor(self, variable: Variable) -> tuple[str, Any]:
         """Suffix of the get and set functions for a variable's type, and its C type."""
 
-    def set(self, values: Mapping[str, Value | Sequence[float]]) -> None:
-        """Set variables by name: a number, a boolean, a string, or the numbers of an array."""
+    def shape(self, variable: Variable) -> tuple[int, ...]:
+        """The sizes of an array with the structural parameters in force; () for a scalar."""
+        return tuple(
+            size if isinstance(size, int) else self._structural(size)
+            for size in variable.dimensions
+        )
+
+    def _structural(self, name: str) -> int:
+        start = self.description.variable(name).start
+        return self.structural.get(name, int(start or 0))
+
+    def count(self, variable: Variable) -> int:
+        """The number of elements of a variable."""
+        return int(np.prod(self.shape(variable), dtype=np.int64))
+
+    def set(self, values: Mapping[str, Values]) -> None:
+        """Set variables by name: a number, a boolean, a string, bytes, or those of an array."""
         for name, value in values.items():
             variable = self.description.variable(name)
             suffix, ctype = self.accessor(variable)
-            data = _c_array(variable, value, ctype, self.name)
-            self._transfer(f"Set{suffix}", variable, data)
+            if variable.details.negated:
+                value = -value  # type: ignore[operator]
+            data = to_c(variable, value, ctype, self.count(variable), self.name)
+            if suffix == "Binary":
+                sizes, data, _kept = binary_pointers(list(data))
+                self._transfer(f"Set{suffix}", variable, sizes, data)
+            else:
+                self._transfer(f"Set{suffix}", variable, data)
 
     def get(self, name: str) -> Any:
-        """The value of a variable: a float, an int, a bool, a str, or an array of them."""
+        """The value of a variable: a float, an int, a bool, a str, bytes, or an array of them."""
         variable = self.description.variable(name)
         suffix, ctype = self.accessor(variable)
-        data = (ctype * variable.size)()
+        shape, count = self.shape(variable), self.count(variable)
+        if suffix == "Binary":
+            sizes, pointers = (ctypes.c_size_t * count)(), (ctypes.c_void_p * count)()
+            self._transfer(f"Get{suffix}", variable, sizes, pointers)
+            return from_c(variable, binaries(sizes, pointers), shape)
+        data = (ctype * count)()
         self._transfer(f"Get{suffix}", variable, data)
-        values = [_from_c(variable, item) for item in data]
-        return values[0] if variable.size == 1 else np.array(values)
+        value = from_c(variable, data, shape)
+        return -value if variable.details.negated else value
 
-    def _transfer(self, function: str, variable: Variable, data: Any) -> None:
+    def _transfer(self, function: str, variable: Variable, *data: Any) -> None:
         reference = ctypes.c_uint32(variable.value_reference)
-        sizes = [ctypes.c_size_t(variable.size)] if self.prefix == "fmi3" else []
-        arguments = (ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(data), *sizes)
-        types = [
-            ctypes.c_void_p,
-            ctypes.c_size_t,
-            ctypes.c_void_p,
-            *(ctypes.c_size_t for _ in sizes),
-        ]
-        native = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)(self.address(function))
+        sized = self.prefix == "fmi3" and not function.endswith("Clock")
+        sizes = [ctypes.c_size_t(len(data[-1]))] if sized else []
+        native = self._functions.get(function)
+        if native is None:
+            pointer, size = ctypes.c_void_p, ctypes.c_size_t
+            types = [pointer, size, *(pointer for _ in data), *(size for _ in sizes)]
+            prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
+            native = self._functions[function] = prototype(self.address(function))
         self._refuse_when_dead()
         what = f" of variable {variable.name!r}"
+        blocks = [ctypes.byref(block) for block in data]
         calling(self.name, f"{self.prefix}{function}{what}")
-        status = native(self.handle, *arguments)
+        status = native(self.handle, ctypes.byref(reference), 1, *blocks, *sizes)
         returned()
         self.check(status, function, what)
 
@@ -266,41 +383,3 @@ class FmuInstance(ABC):
         else:
             self.call("GetDirectionalDerivative", first, n, reference, one, seeds, out)
         return np.array(result)
-
-
-def _c_array(variable: Variable, value: Any, ctype: Any, component: str) -> Any:
-    items = list(value) if isinstance(value, (list, tuple, np.ndarray)) else [value]
-    if len(items) != variable.size:
-        raise FmuError(
-            f"component {component}: variable {variable.name!r} has {variable.size} element(s), "
-            f"but {len(items)} value(s) were given"
-        )
-    try:
-        return (ctype * variable.size)(*(_to_c(variable, item) for item in items))
-    except (TypeError, ValueError, KeyError) as fault:
-        raise FmuError(
-            f"component {component}: variable {variable.name!r} of type {variable.type} cannot be "
-            f"set to {value!r}"
-        ) from fault
-
-
-def _to_c(variable: Variable, value: Any) -> Any:
-    if variable.type in REAL_TYPES:
-        return float(value)
-    if variable.type in INTEGER_TYPES:
-        if float(value) != int(value):
-            raise ValueError(value)
-        return int(value)
-    if variable.type == "Boolean":
-        return {"true": True, "false": False, "1": True, "0": False}[str(value).lower()]
-    if variable.type == "String":
-        return str(value).encode()
-    raise TypeError(variable.type)
-
-
-def _from_c(variable: Variable, item: Any) -> Any:
-    if variable.type == "Boolean":
-        return bool(item)
-    if variable.type == "String":
-        return (item or b"").decode("utf-8", "replace")
-    return item

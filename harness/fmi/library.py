@@ -11,6 +11,7 @@ from pathlib import Path
 
 from harness.errors import FmuError
 from harness.fmi.binary import built_for, cut_short
+from harness.fmi.dependencies import load_with_neighbours
 from harness.fmi.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
@@ -138,7 +139,7 @@ class Library:
         if unfit:
             raise FmuError(f"library {path.name} of the FMU cannot be loaded: {unfit}")
         try:
-            self._library = ctypes.CDLL(str(path))
+            self._library, self._first = load_with_neighbours(path, _root(path))
         except OSError as fault:
             reason = _loader_reason(str(fault), path)
             raise FmuError(f"library {path.name} of the FMU cannot be loaded: {reason}") from fault
@@ -165,15 +166,8 @@ class Library:
         finalize = self.find(_PYTHONFMU_FINALIZE)
         if finalize is not None:
             ctypes.PYFUNCTYPE(None)(finalize)()
-        handle = self._library._handle
-        if sys.platform == "win32":
-            import _ctypes
-
-            _ctypes.FreeLibrary(handle)
-        else:
-            close = ctypes.CDLL(None).dlclose
-            close.argtypes = [ctypes.c_void_p]
-            close(handle)
+        for library in (self._library, *reversed(self._first)):
+            _unload(library._handle)
 
     def find(self, name: str) -> int | None:
         """Address of the function `name`, or None."""
@@ -181,3 +175,19 @@ class Library:
             return ctypes.cast(getattr(self._library, name), ctypes.c_void_p).value
         except AttributeError:
             return None
+
+
+def _root(path: Path) -> Path:
+    """The unpacked FMU to which the library at ROOT/binaries/PLATFORM/NAME belongs."""
+    return path.parents[2]
+
+
+def _unload(handle: int) -> None:
+    if sys.platform == "win32":
+        import _ctypes
+
+        _ctypes.FreeLibrary(handle)
+    else:
+        close = ctypes.CDLL(None).dlclose
+        close.argtypes = [ctypes.c_void_p]
+        close(handle)

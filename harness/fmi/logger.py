@@ -100,11 +100,12 @@ def _check(form: Any, arguments: Any) -> int:
 
 
 _logs: dict[int, MessageLog] = {}
+_logs_by_name: dict[bytes, MessageLog] = {}
 
 
 @PLAIN_LOGGER  # type: ignore[untyped-decorator]
 def _receive(environment: Any, name: Any, status: int, category: Any, text: Any) -> None:
-    log = _logs.get(environment or 0)
+    log = _logs.get(environment or 0) or _logs_by_name.get(name or b"")
     if log is not None:
         log.add(status, category, text)
 
@@ -132,6 +133,17 @@ def register(log: MessageLog) -> int:
 def forget(key: int) -> None:
     """Messages for `key` are dropped from now on."""
     _logs.pop(key, None)
+
+
+def register_name(name: str, log: MessageLog) -> None:
+    """`log` receives the messages of the instance called `name`; FMI 1 has no environment."""
+    _logs_by_name[name.encode()] = log
+
+
+def forget_name(name: str, log: MessageLog) -> None:
+    """Undo `register_name`, unless another instance has taken the name since."""
+    if _logs_by_name.get(name.encode()) is log:
+        del _logs_by_name[name.encode()]
 
 
 @cache

@@ -7,12 +7,19 @@ refused, so no entity is ever expanded.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from harness.errors import FmuError, nearest
+from harness.fmi.details import (
+    Details,
+    DisplayUnit,
+    fmi1_capabilities,
+    read_details,
+    read_display_units,
+)
 from harness.fmi.document import faults_of, raise_first, read_document
 from harness.fmi.value_checks import unit_faults, variable_faults
 from harness.system.units import Unit
@@ -25,7 +32,9 @@ NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array)."""
+    """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array) as
+    the file gives it. `dimensions` are the sizes of an array, a name where a structural parameter
+    holds the size; `details` is what only some variables have."""
 
     name: str
     value_reference: int
@@ -41,6 +50,8 @@ class Variable:
     nominal: float | None
     size: int = 1
     derivative_of: str | None = None
+    dimensions: tuple[int | str, ...] = ()
+    details: Details = field(default_factory=Details)
 
 
 @dataclass(frozen=True)
@@ -57,6 +68,9 @@ class Capabilities:
     fixed_internal_step_size: float | None = None
     has_event_mode: bool = False
     max_output_derivative_order: int = 0
+    needs_completed_integrator_step: bool = True
+    might_return_early: bool = False
+    needs_execution_tool: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,6 +97,11 @@ class ModelDescription:
     stop_time: float | None
     step_size: float | None
     tolerance: float | None
+    scheduled_execution: bool = False
+    number_of_event_indicators: int = 0
+    number_of_continuous_states: int = 0
+    display_units: Mapping[str, Mapping[str, DisplayUnit]] = field(default_factory=dict)
+    event_indicators: tuple[str, ...] = ()
 
     @property
     def fmi_major(self) -> int:
@@ -115,7 +134,7 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
     """
     root, description = read_document(folder, source)
     with faults_of(source):
-        adapted = _adapt(description, _directional(root))
+        adapted = _adapt(description, root)
     raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
     raise_first(unit_faults(adapted.units), source)
     return adapted
@@ -131,8 +150,13 @@ def _directional(root: Any) -> frozenset[str]:
     )
 
 
-def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
-    variables = {v.name: _variable(v) for v in d.modelVariables}
+def _adapt(d: Any, root: Any) -> ModelDescription:
+    directional, details = _directional(root), read_details(root)
+    names = {v.valueReference: v.name for v in reversed(d.modelVariables)}
+    variables = {
+        v.name: _variable(v, details.get(v.name, Details()), names) for v in d.modelVariables
+    }
+    fmi1 = fmi1_capabilities(root)
     experiment = d.defaultExperiment
     outputs = {u.variable.name: u for u in d.outputs if u.variable is not None}
     return ModelDescription(
@@ -141,8 +165,12 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
         token=d.instantiationToken or "",
         description=d.description or "",
         generation_tool=d.generationTool or "",
-        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional),
-        model_exchange=_capabilities(d.modelExchange, "ModelExchange" in directional),
+        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional, fmi1),
+        model_exchange=_capabilities(
+            d.modelExchange,
+            "ModelExchange" in directional,
+            None if fmi1 is None else {"needs_completed_integrator_step": True},
+        ),
         variables=variables,
         units={u.name: _unit(u) for u in d.unitDefinitions},
         feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},
@@ -155,10 +183,15 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
         stop_time=_number(experiment and experiment.stopTime),
         step_size=_number(experiment and experiment.stepSize),
         tolerance=_number(experiment and experiment.tolerance),
+        scheduled_execution=d.scheduledExecution is not None,
+        number_of_event_indicators=d.numberOfEventIndicators,
+        number_of_continuous_states=d.numberOfContinuousStates,
+        display_units=read_display_units(root),
+        event_indicators=tuple(u.variable.name for u in d.eventIndicators if u.variable),
     )
 
 
-def _variable(v: Any) -> Variable:
+def _variable(v: Any, details: Details, names: Mapping[int, str]) -> Variable:
     size = 1
     for dimension in v.dimensions:
         size *= int(dimension.start if dimension.variable is None else dimension.variable.start)
@@ -178,6 +211,14 @@ def _variable(v: Any) -> Variable:
         nominal=_number(v.nominal),
         size=size,
         derivative_of=v.derivative.name if v.derivative is not None else None,
+        dimensions=tuple(
+            int(d.start) if d.variable is None else d.variable.name for d in v.dimensions
+        ),
+        details=replace(
+            details,
+            alias_of=v.alias.name if v.alias is not None else details.alias_of,
+            clocks=tuple(names.get(int(one), one) for one in details.clocks),
+        ),
     )
 
 
@@ -188,10 +229,12 @@ def _feedthrough(unknown: Any, variables: Mapping[str, Variable]) -> tuple[str, 
     return tuple(name for name in names if variables[name].causality == "input")
 
 
-def _capabilities(c: Any, directional: bool) -> Capabilities | None:
+def _capabilities(
+    c: Any, directional: bool, fmi1: Mapping[str, Any] | None = None
+) -> Capabilities | None:
     if c is None:
         return None
-    return Capabilities(
+    found = Capabilities(
         model_identifier=c.modelIdentifier,
         can_get_and_set_fmu_state=bool(c.canGetAndSetFMUstate),
         can_serialize_fmu_state=bool(c.canSerializeFMUstate),
@@ -202,7 +245,11 @@ def _capabilities(c: Any, directional: bool) -> Capabilities | None:
         fixed_internal_step_size=_number(getattr(c, "fixedInternalStepSize", None)),
         has_event_mode=bool(getattr(c, "hasEventMode", False)),
         max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
+        needs_completed_integrator_step=bool(getattr(c, "needsCompletedIntegratorStep", True)),
+        might_return_early=bool(getattr(c, "mightReturnEarlyFromDoStep", False)),
+        needs_execution_tool=bool(c.needsExecutionTool),
     )
+    return replace(found, **fmi1) if fmi1 else found
 
 
 def _unit(u: Any) -> Unit:

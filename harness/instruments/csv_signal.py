@@ -99,19 +99,23 @@ def plain_name(name: str) -> str:
     return TYPE_TAIL.sub("", name.strip()).replace("::", ".")
 
 
-def read_csv_table(path: Path) -> CsvTable:
-    """The CSV file at `path`; raises `ExperimentError` where it cannot be read."""
+def read_csv_table(path: Path, *, as_text: bool = False) -> CsvTable:
+    """The CSV file at `path`, its cells as they stand where `as_text`; raises `ExperimentError`
+    where it cannot be read."""
     import pyarrow as pa
     import pyarrow.csv as arrow_csv
 
     try:
         names, skipped, delimiter = _header(path)
+        types = {name: pa.string() for name in names} if as_text else {}
         table = arrow_csv.read_csv(
             path,
             read_options=arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(names)),
             parse_options=arrow_csv.ParseOptions(delimiter=delimiter),
             convert_options=arrow_csv.ConvertOptions(
-                true_values=["True", "true", "TRUE"], false_values=["False", "false", "FALSE"]
+                column_types=types,
+                true_values=["True", "true", "TRUE"],
+                false_values=["False", "false", "FALSE"],
             ),
         )
     except ExperimentError:

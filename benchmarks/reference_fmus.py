@@ -1,0 +1,290 @@
+"""The Reference FMUs against their published outputs and against exact solutions.
+
+    python -m benchmarks.reference_fmus FOLDER [FOLDER …] [--json FILE] [--plot FILE]
+
+FOLDER is searched for `.fmu` files and for `{Model}_out.csv` and `{Model}_in.csv`; build the FMUs
+from the public sources of the Modelica Association first, in as many versions as you like. The
+published outputs were made by Euler's method inside the FMUs. So each FMU is run
+
+- in co-simulation, without and (FMI 3) with event mode, against the published output;
+- in model exchange by Euler's method with the same fixed step, against the published output;
+- in model exchange by CVODE at a relative tolerance of 1e-8, against the exact solution.
+
+The difference is the largest one at equal times, as a share of the range of the variable; where an
+event repeats a time the last row counts. Rows beyond the last common time are left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+from scipy.integrate import solve_ivp
+
+from harness import Fmu, simulate
+from harness.errors import HarnessError
+from harness.simulation.csv_files import read_reference
+from harness.simulation.outputs import SimulationResult
+
+Array = NDArray[np.float64]
+FIXED_STEP = {
+    "BouncingBall": 1e-3, "Dahlquist": 0.1, "Stair": 0.2, "VanDerPol": 1e-2, "StateSpace": 1e-3,
+    "Feedthrough": 0.1, "Resource": 1.0,
+}  # fmt: skip
+"""The step (s) of the method inside each FMU."""
+GRID = {
+    "BouncingBall": (3.0, 0.01), "Dahlquist": (10.0, 0.1), "Stair": (10.0, 0.2),
+    "VanDerPol": (20.0, 0.01), "StateSpace": (10.0, 1.0), "Feedthrough": (2.0, 0.1),
+    "Resource": (1.0, 1.0),
+}  # fmt: skip
+"""Stop time and distance of rows (s) of the published outputs."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: `difference` as a share of the range, None where there was no run, `words` then."""
+
+    model: str
+    fmi: str
+    kind: str
+    method: str
+    compared_with: str
+    columns: int
+    rows: int
+    difference: float | None
+    limit: float
+    words: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is within its limit, or the refusal the expected one."""
+        return self.words != "" if self.difference is None else self.difference <= self.limit
+
+
+def run_all(folders: list[Path]) -> Iterator[Row]:
+    """A row for each FMU below `folders`, kind and method."""
+    for path in _fmus(folders):
+        yield from run_fmu(path, folders)
+
+
+def _fmus(folders: list[Path]) -> list[Path]:
+    return sorted(path for folder in folders for path in folder.rglob("*.fmu"))
+
+
+def _exchanges(path: Path) -> bool:
+    with Fmu(path) as fmu:
+        return fmu.description.model_exchange is not None
+
+
+def run_fmu(path: Path, folders: list[Path]) -> Iterator[Row]:
+    """The runs of one FMU."""
+    with Fmu(path) as fmu:
+        d = fmu.description
+    model, fmi = path.stem, d.fmi_version[:3]
+    if d.co_simulation is None and d.model_exchange is None:
+        yield _refusal(path, model, fmi)
+        return
+    if model not in GRID:
+        return
+    published = _find(folders, f"{model}_out.csv")
+    if d.co_simulation is not None:
+        for event_mode in (False, True) if d.co_simulation.has_event_mode else (False,):
+            method = "event mode" if event_mode else "step by step"
+            yield _against_file(path, fmi, method, published, interface_type="cs",
+                                step_size=GRID[model][1], event_mode=event_mode)  # fmt: skip
+            if model == "Feedthrough":
+                yield _inputs(path, fmi, method, _find(folders, "Feedthrough_in.csv"), event_mode)
+    if d.model_exchange is not None:
+        yield _against_file(path, fmi, "Euler", published, interface_type="me", solver="euler",
+                            step_size=FIXED_STEP[model])  # fmt: skip
+        if model in SOLUTIONS:
+            yield _against_solution(path, fmi)
+
+
+def _against_file(path: Path, fmi: str, method: str, published: Path, **options: object) -> Row:
+    stop, interval = GRID[path.stem]
+    result = simulate(path, stop_time=stop, output_interval=interval, **options)  # type: ignore[arg-type]
+    shapes = {"y": (3,)} if path.stem == "StateSpace" else {}
+    reference = read_reference(published, shapes)
+    columns = [name for name in reference.columns if name in result]
+    ours, theirs = _common(result, reference.time)
+    worst = 0.0
+    for name in columns:
+        numbers = reference.numbers(name)
+        if name in result.texts or numbers is None:
+            same = list(result[name][ours]) == [reference.columns[name][i] for i in theirs]
+            worst = max(worst, 0.0 if same else 1.0)
+        else:
+            worst = max(worst, _share(result[name][ours], numbers[theirs]))
+    kind = result.manifest.experiment["interface_type"]
+    return Row(
+        path.stem, fmi, kind, method, "published output", len(columns), len(ours), worst, 1e-9
+    )
+
+
+def _common(result: SimulationResult, times: Array) -> tuple[list[int], list[int]]:
+    """The rows of both at equal times, the last row where a time repeats."""
+    last = {round(float(t), 9): i for i, t in enumerate(result.time)}
+    pairs = [(last[key], i) for i, t in enumerate(times) if (key := round(float(t), 9)) in last]
+    return [a for a, _ in pairs], [b for _, b in pairs]
+
+
+def _share(ours: Array, theirs: Array) -> float:
+    spread = float(np.ptp(theirs)) or float(np.abs(theirs).max()) or 1.0
+    return float(np.abs(np.asarray(ours, dtype=np.float64) - theirs).max() / spread)
+
+
+def _inputs(path: Path, fmi: str, method: str, table: Path, event_mode: bool) -> Row:
+    """What goes in comes out: the published inputs, exact to the last integer."""
+    result = simulate(path, inputs=table, stop_time=2.0, step_size=0.1, event_mode=event_mode)
+    given = read_reference(table, {})
+    names = [n for n in given.columns if n.replace("_input", "_output") in result]
+    wrong = sum(
+        int(result[name.replace("_input", "_output")][row]) != int(given.columns[name][at])
+        for name in names
+        for row, at in ((0, 0), (-1, -1))
+    )
+    return Row("Feedthrough", fmi, "co-simulation", method, "published input", len(names), 2,
+               float(wrong), 0.0)  # fmt: skip
+
+
+def _against_solution(path: Path, fmi: str) -> Row:
+    stop, interval = GRID[path.stem]
+    result = simulate(path, interface_type="me", stop_time=stop, output_interval=interval,
+                      relative_tolerance=1e-8)  # fmt: skip
+    keep = np.append(np.diff(result.time) > 0.0, True)  # after an event
+    exact = SOLUTIONS[path.stem](result.time[keep])
+    worst = max(_share(result[name][keep], values) for name, values in exact.items())
+    return Row(path.stem, fmi, "model-exchange", "CVODE", "exact solution", len(exact),
+               int(keep.sum()), worst, 1e-5)  # fmt: skip
+
+
+def _refusal(path: Path, model: str, fmi: str) -> Row:
+    try:
+        simulate(path)
+    except HarnessError as fault:
+        return Row(model, fmi, "scheduled execution", "–", "–", 0, 0, None, 0.0, str(fault))
+    return Row(model, fmi, "scheduled execution", "–", "–", 0, 0, None, 0.0)
+
+
+def _ball(time: Array) -> dict[str, Array]:
+    """h of the ball with g = 9.81 m/s² and e = 0.7, which rests below 0.1 m/s."""
+    found = np.zeros(len(time))
+    begin, speed, height = 0.0, 0.0, 1.0
+    while True:
+        flight = (speed + math.sqrt(speed**2 + 19.62 * height)) / 9.81
+        inside = (time >= begin) & (time <= begin + flight)
+        t = time[inside] - begin
+        found[inside] = height + speed * t - 4.905 * t**2
+        begin, speed, height = begin + flight, 0.7 * (9.81 * flight - speed), 0.0
+        if speed < 0.1:
+            return {"h": found}
+
+
+def _oscillator(time: Array) -> dict[str, Array]:
+    """The van der Pol oscillator with mu = 1 by DOP853 at 1e-12."""
+    solution = solve_ivp(
+        lambda _, x: [x[1], (1.0 - x[0] ** 2) * x[1] - x[0]],
+        (0.0, float(time[-1])), [2.0, 0.0], "DOP853", time, rtol=1e-12, atol=1e-12,
+    )  # fmt: skip
+    return {"x0": solution.y[0], "x1": solution.y[1]}
+
+
+SOLUTIONS: dict[str, Callable[[Array], dict[str, Array]]] = {
+    "BouncingBall": _ball,
+    "VanDerPol": _oscillator,
+    "Dahlquist": lambda t: {"x": np.exp(-t)},
+    "StateSpace": lambda t: {f"y[{i}]": i * np.exp(t) for i in (1, 2, 3)},
+    "Stair": lambda t: {"counter": np.floor(t + 1e-9) + 1.0},
+}
+
+
+def _find(folders: list[Path], name: str) -> Path:
+    found = next((path for folder in folders for path in sorted(folder.rglob(name))), None)
+    if found is None:
+        raise SystemExit(f"{name} was not found below {', '.join(map(str, folders))}")
+    return found
+
+
+def table(rows: list[Row]) -> Table:
+    """The rows as a table."""
+    made = Table(box=SIMPLE)
+    for title in (
+        "model",
+        "FMI",
+        "kind",
+        "method",
+        "against",
+        "variables × rows",
+        "difference",
+        "",
+    ):
+        made.add_column(title)
+    for row in rows:
+        made.add_row(*cells(row))
+    return made
+
+
+def cells(row: Row) -> tuple[str, ...]:
+    """The cells of one row of the table."""
+    size = f"{row.columns} × {row.rows}" if row.columns else "–"
+    shown = "–" if row.difference is None else f"{row.difference:.1e}" if row.difference else "0"
+    verdict = "refused with a sentence" if row.difference is None and row.words else (
+        "agrees" if row.agrees else "DIFFERS"
+    )  # fmt: skip
+    return (row.model, row.fmi, row.kind, row.method, row.compared_with, size, shown, verdict)
+
+
+def draw(folders: list[Path], target: Path) -> None:
+    """The bouncing ball in model exchange, and its published output."""
+    from harness.results.plots import legend, line_style, panels
+
+    fmu = next(path for path in _fmus(folders) if path.stem == "BouncingBall" and _exchanges(path))
+    result = simulate(fmu, interface_type="me", stop_time=3.0, output_interval=0.01)
+    reference = read_reference(_find(folders, "BouncingBall_out.csv"), {})
+    figure, axes = panels(
+        2, "BouncingBall, model exchange: both sides of every bounce are recorded"
+    )
+    for axis, (name, unit) in zip(axes, (("h", "m"), ("v", "m/s")), strict=True):
+        axis.plot(result.time, result[name], label="CVODE", **line_style(0))
+        numbers = reference.numbers(name)
+        assert numbers is not None
+        axis.plot(reference.time, numbers, label="published (Euler, 1 ms)", **line_style(1))
+        axis.set_ylabel(f"{name} ({unit})")
+    legend(axes[0])
+    figure.align_ylabels()
+    figure.savefig(target)
+
+
+def main() -> int:
+    """Run, print the table, and return 1 where something differs."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0] if __doc__ else None)
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--json", type=Path, help="write the rows")
+    parser.add_argument("--markdown", type=Path, help="write the table")
+    parser.add_argument("--plot", type=Path, help="draw the bouncing ball")
+    given = parser.parse_args()
+    rows = list(run_all(given.folders))
+    Console(width=150).print(table(rows))
+    if given.json:
+        given.json.write_text(json.dumps([asdict(row) for row in rows], indent=2) + "\n")
+    if given.markdown:
+        head = "| model | FMI | kind | method | against | variables × rows | difference | |\n"
+        lines = ["| " + " | ".join(cells(row)) + " |\n" for row in rows]
+        given.markdown.write_text(head + "|---" * 8 + "|\n" + "".join(lines))
+    if given.plot:
+        draw(given.folders, given.plot)
+    return int(not all(row.agrees for row in rows))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,232 @@
+"""`fmu-harness simulate`: run one FMU of any version and kind; CSV in, CSV and a plot out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from harness.cli.progress import bar
+from harness.cli.terminal import console
+from harness.errors import HarnessError, UsageError
+
+if TYPE_CHECKING:
+    from harness.fmi.fmu import Fmu
+    from harness.simulation.comparison import Agreement
+    from harness.simulation.outputs import SimulationResult
+    from harness.simulation.settings import Request
+
+Number = float | None
+
+
+def simulate_command(
+    fmu: Annotated[Path, typer.Argument(help="An .fmu file, FMI 1, 2 or 3")],
+    start_time: Annotated[Number, typer.Option(help="Start (s)")] = None,
+    stop_time: Annotated[Number, typer.Option(help="Stop (s)")] = None,
+    step_size: Annotated[Number, typer.Option(help="Communication step (s)")] = None,
+    output_interval: Annotated[Number, typer.Option(help="Distance of recorded rows (s)")] = None,
+    input_file: Annotated[
+        Path | None, typer.Option(help="CSV of inputs and tunable parameters over time")
+    ] = None,
+    output_file: Annotated[Path | None, typer.Option(help="CSV to write")] = None,
+    start_values: Annotated[
+        list[str] | None, typer.Option(help="name=value or name=value[unit]; repeatable")
+    ] = None,
+    relative_tolerance: Annotated[Number, typer.Option(help="Of the FMU or the solver")] = None,
+    interface_type: Annotated[
+        str | None, typer.Option(help="co-simulation or model-exchange")
+    ] = None,
+    solver: Annotated[str, typer.Option(help="For model exchange: cvode or euler")] = "cvode",
+    output_variables: Annotated[
+        list[str] | None,
+        typer.Option(help="Record these, * and ? allowed; repeatable; the outputs when absent"),
+    ] = None,
+    event_mode: Annotated[
+        bool, typer.Option(help="Handle events in FMI 3 co-simulation where the FMU can")
+    ] = True,
+    show_plot: Annotated[bool, typer.Option("--show-plot", help="Draw and open a plot")] = False,
+    plot_file: Annotated[Path | None, typer.Option(help="PNG, SVG or PDF to draw")] = None,
+    fmi_logging: Annotated[bool, typer.Option(help="Print the messages of the FMU")] = False,
+    validate_against: Annotated[
+        Path | None, typer.Option(help="CSV with a reference; exit code 1 where it differs")
+    ] = None,
+    time_band: Annotated[
+        Number, typer.Option(help="Half width of the band in time (s); one step when absent")
+    ] = None,
+    value_band: Annotated[
+        float, typer.Option(help="Half width of the band in value, relative to the range")
+    ] = 0.01,
+) -> None:
+    """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
+    from harness.fmi.fmu import Fmu
+    from harness.simulation.cross_check import find_cross_check, read_options
+    from harness.simulation.settings import Request
+
+    given = Request(
+        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
+        solver,
+    )  # fmt: skip
+    beside = find_cross_check(fmu)
+    if beside.options is not None:
+        given = _filled(given, read_options(beside.options), beside.options)
+    if input_file is None and beside.inputs is not None:
+        input_file = beside.inputs
+        _say(f"inputs are taken from {beside.inputs}")
+    with Fmu(fmu) as opened:
+        if validate_against is not None and output_variables is None:
+            output_variables = _recorded(opened, validate_against)
+        starts = _starts(opened, start_values or [])
+        fault: HarnessError | None = None
+        try:
+            result = _run(
+                opened, given, starts, input_file, output_variables, event_mode, fmi_logging
+            )
+        except HarnessError as caught:
+            if caught.result is None:
+                raise
+            fault, result = caught, caught.result
+        for note in result.notes:
+            _say(note)
+        _summary(result)
+        _write(result, output_file, plot_file, show_plot)
+        if fault is not None:
+            raise fault
+        if validate_against is not None:
+            _validate(opened, result, validate_against, time_band, value_band)
+
+
+def _filled(given: Request, options: Request, path: Path) -> Request:
+    known = {name: value for name, value in vars(given).items() if value is not None}
+    _say(f"options are taken from {path}")
+    return replace(options, **known)
+
+
+def _recorded(opened: Fmu, reference: Path) -> list[str]:
+    """The default outputs and the columns of the reference."""
+    from harness.simulation.csv_files import read_reference
+    from harness.simulation.outputs import select
+
+    d = opened.description
+    known = [v.name for v in select(d, None)]
+    for column in read_reference(reference, {}).columns:
+        whole = column if column in d.variables else column.partition("[")[0]
+        known += [whole] if whole in d.variables else []
+    return list(dict.fromkeys(known))
+
+
+def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:
+    from harness.simulation.start_values import parse_assignment
+
+    return dict(parse_assignment(opened.description, text) for text in texts)
+
+
+def _run(
+    opened: Fmu,
+    request: Request,
+    starts: dict[str, object],
+    input_file: Path | None,
+    variables: list[str] | None,
+    event_mode: bool,
+    logging: bool,
+) -> SimulationResult:
+    from harness.simulation.simulate import simulate
+
+    with bar() as shown:
+        task = shown.add_task(opened.description.name, total=1.0)
+        return simulate(
+            opened,
+            **vars(request),
+            start_values=starts,
+            inputs=input_file,
+            output_variables=variables,
+            event_mode=None if event_mode else False,
+            progress=lambda share: shown.update(task, completed=share),
+            echo=_echo if logging else None,
+        )
+
+
+def _summary(result: SimulationResult) -> None:
+    from rich.table import Table
+
+    e = result.manifest.experiment
+    kind = f"{result.manifest.fmus[0].instance}, {e['interface_type']}"
+    table = Table(title=f"{kind}, {len(result.time)} rows", title_justify="left", box=None)
+    table.add_column("variable")
+    for title in ("first", "last", "smallest", "largest"):
+        table.add_column(title, justify="right")
+    table.add_column("unit")
+    for name in result.order[:_SHOWN]:
+        values = result[name]
+        if not len(values):
+            continue
+        if name in result.texts:
+            cells = [repr(str(values[0])), repr(str(values[-1])), "", "", ""]
+        else:
+            cells = [f"{float(v):.6g}" for v in (values[0], values[-1], min(values), max(values))]
+            cells.append(result.unit(name))
+        table.add_row(*(cell.replace("[", r"\[") for cell in (name, *cells)))
+    console().print(table)
+    if len(result.order) > _SHOWN:
+        console().print(f"… {len(result.order) - _SHOWN} more variables", markup=False)
+
+
+_SHOWN = 40
+
+
+def _write(result: SimulationResult, csv: Path | None, plot: Path | None, show: bool) -> None:
+    if csv is not None:
+        from harness.simulation.csv_files import write_csv
+
+        write_csv(result, csv)
+        console().print(f"written: {csv}", markup=False, soft_wrap=True)
+    if (plot is not None or show) and result.names and len(result.time):
+        from harness.simulation.plot import write_plot
+
+        path = plot or Path(f"{result.manifest.fmus[0].instance}.png")
+        write_plot(result, path)
+        console().print(f"written: {path}", markup=False, soft_wrap=True)
+        if show:
+            typer.launch(str(path))
+
+
+def _validate(
+    opened: Fmu, result: SimulationResult, path: Path, time_band: float | None, value_band: float
+) -> None:
+    from harness.simulation.validation import validate
+
+    if value_band < 0.0 or not math.isfinite(value_band):
+        raise UsageError(f"--value-band must not be negative, not {value_band}")
+    found, band = validate(opened.description, result, path, time_band, value_band)
+    text = f"band: {band.time:g} s in time, {100 * band.relative:g} % of the range in value"
+    console().print(_agreements(found, text))
+    wrong = [one for one in found if not one.agrees]
+    if wrong:
+        raise HarnessError(
+            f"{len(wrong)} of {len(found)} variables leave the band around {path}: "
+            + "; ".join(f"{one.name} first at t = {one.first_outside} s" for one in wrong[:3])
+        )
+
+
+def _agreements(found: tuple[Agreement, ...], title: str) -> object:
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left", box=None)
+    table.add_column("variable")
+    for heading in ("rows inside", "largest difference", "verdict"):
+        table.add_column(heading, justify="right")
+    for one in found:
+        name = one.name.replace("[", r"\[")
+        verdict = "agrees" if one.agrees else f"leaves the band at {one.first_outside} s"
+        table.add_row(name, f"{one.inside} of {one.judged}", f"{one.largest:.3g}", verdict)
+    return table
+
+
+def _say(note: str) -> None:
+    console(stderr=True).print(f"note: {note}", markup=False, soft_wrap=True)
+
+
+def _echo(message: object) -> None:
+    console(stderr=True).print(str(message), markup=False, soft_wrap=True)

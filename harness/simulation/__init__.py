@@ -1,0 +1,1 @@
+"""Simulating a single FMU of any version and kind, as `fmu-harness simulate` does."""

@@ -1,0 +1,118 @@
+"""When the input clocks of an FMI 3 FMU tick: periodic ones, changing ones, countdowns, and those
+that the user triggers.
+
+Periodic clocks (constant, fixed, tunable) tick at start + shift + k * interval, exactly; where the
+file states no interval the FMU is asked. A changing clock is asked for its next interval at each
+tick, a countdown after each event. This module refuses to guess: a time-based clock without an
+interval never ticks, and a note says so.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Mapping
+from fractions import Fraction
+
+from harness.fmi.fmi3 import Fmi3Instance
+from harness.fmi.instance import FmuInstance
+from harness.fmi.model_description import ModelDescription
+from harness.simulation.grid import Grid, exact
+from harness.simulation.inputs import Track
+
+_PERIODIC = ("constant", "fixed", "tunable", "calculated")
+
+
+def has_input_clocks(d: ModelDescription) -> bool:
+    """Whether the FMU waits for ticks of clocks."""
+    return any(v.type == "Clock" and v.causality == "input" for v in d.variables.values())
+
+
+class Clocks:
+    """The ticks of all input clocks of an instance; `next` looks ahead, `due` says which tick."""
+
+    def __init__(
+        self, instance: FmuInstance, start: float, triggers: Mapping[str, Track], notes: list[str]
+    ) -> None:
+        """Find the clocks; intervals that the FMU computes are asked for by `begin`."""
+        self.instance = instance
+        self.start = start
+        self.notes = notes
+        d = instance.description
+        clocks = [v for v in d.variables.values() if v.type == "Clock" and not v.details.alias_of]
+        self.inputs = {v.name: v for v in clocks if v.causality == "input"}
+        self.outputs = tuple(v.name for v in clocks if v.causality != "input")
+        self._grids: dict[str, Grid] = {}
+        self._pending: dict[str, float] = {}
+        self._triggers = {
+            name: sorted({t for t, row in zip(track.times, track.rows, strict=True) if row[0]})
+            for name, track in triggers.items()
+        }
+
+    def begin(self) -> None:
+        """Ask for the intervals that the file does not state; after initialisation."""
+        for name, v in self.inputs.items():
+            kind = v.details.interval_variability
+            if kind in _PERIODIC:
+                interval = _seconds(v.details.interval) or self._ask(name)
+                if interval:
+                    first = exact(self.start) + (_seconds(v.details.shift) or 0)
+                    self._grids[name] = Grid(first, Fraction(interval))
+                else:
+                    self.notes.append(f"clock {name!r} never ticks: its interval is not known")
+            elif kind == "changing":
+                self._pending[name] = self.start + float(_seconds(v.details.shift) or 0)
+
+    def _ask(self, name: str) -> Fraction | None:
+        if not isinstance(self.instance, Fmi3Instance):
+            return None
+        if not self.instance.offers("GetIntervalDecimal"):
+            return None
+        interval = self.instance.interval(name)
+        return None if interval is None else exact(interval)
+
+    def next(self, time: float) -> float:
+        """The time (s) of the first tick later than `time`, or infinity."""
+        ahead = [grid.after(time) for grid in self._grids.values()]
+        ahead += [t for t in self._pending.values() if t > time]
+        for times in self._triggers.values():
+            i = bisect_right(times, time)
+            ahead += times[i : i + 1]
+        return min(ahead, default=math.inf)
+
+    def due(self, time: float) -> tuple[str, ...]:
+        """The clocks that tick at `time`."""
+        found = [name for name, grid in self._grids.items() if grid.holds(time)]
+        found = [n for n in found if time >= float(self._grids[n].start)]
+        found += [name for name, at in self._pending.items() if at == time]
+        found += [name for name, times in self._triggers.items() if time in times]
+        return tuple(sorted(found, key=list(self.inputs).index))
+
+    def due_now(self, time: float) -> tuple[str, ...]:
+        """The clocks that this very event started with a countdown of no time."""
+        return tuple(name for name, at in self._pending.items() if at == time)
+
+    def ticked(self, names: tuple[str, ...], time: float) -> None:
+        """Plan the next ticks of clocks whose intervals change, after those of `names`."""
+        for name in names:
+            self._pending.pop(name, None)
+            if self.inputs[name].details.interval_variability == "changing":
+                interval = self._ask(name)
+                if interval:
+                    self._pending[name] = float(exact(time) + interval)
+
+    def count_down(self, time: float) -> None:
+        """Ask the countdown clocks whether they were started by the event at `time`."""
+        for name, v in self.inputs.items():
+            if v.details.interval_variability == "countdown":
+                interval = self._ask(name)
+                if interval is not None:
+                    self._pending[name] = float(exact(time) + interval)
+
+
+def _seconds(duration: tuple[int, int] | float | None) -> Fraction | None:
+    if duration is None:
+        return None
+    if isinstance(duration, tuple):
+        return Fraction(duration[0], duration[1])
+    return exact(duration)

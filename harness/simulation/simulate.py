@@ -1,0 +1,131 @@
+"""`simulate`: any FMU in, its trajectory out."""
+
+from __future__ import annotations
+
+import os
+import time as wall_clock
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from harness.errors import HarnessError
+from harness.fmi.fmu import Fmu
+from harness.fmi.instance import CO_SIMULATION, FmuInstance
+from harness.fmi.logger import LogMessage
+from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
+from harness.simulation.clocks import Clocks, has_input_clocks
+from harness.simulation.cosimulation import CoSimulation
+from harness.simulation.inputs import InputData, read_inputs
+from harness.simulation.model_exchange import ModelExchange
+from harness.simulation.outputs import Recorder, SimulationResult, select
+from harness.simulation.settings import Request, Settings, settle
+from harness.simulation.start_values import set_start_values
+
+Progress = Callable[[float], None]
+
+
+def simulate(
+    fmu: str | os.PathLike[str] | Fmu,
+    *,
+    interface_type: str | None = None,
+    start_time: float | None = None,
+    stop_time: float | None = None,
+    step_size: float | None = None,
+    output_interval: float | None = None,
+    relative_tolerance: float | None = None,
+    solver: str = "cvode",
+    start_values: Mapping[str, Any] | None = None,
+    inputs: InputData | None = None,
+    output_variables: Sequence[str] | None = None,
+    event_mode: bool | None = None,
+    progress: Progress | None = None,
+    echo: Callable[[LogMessage], None] | None = None,
+) -> SimulationResult:
+    """Simulate one FMU of FMI 1, 2 or 3, in co-simulation or model exchange.
+
+    Times are in seconds; what is None comes from the FMU or is derived, see
+    `harness.simulation.settings`. `solver` for model exchange: "cvode", or "euler" with steps of
+    `step_size`. `start_values` by name: numbers, arrays, texts, or pairs (value, unit). `inputs`:
+    the path of a CSV file, or by name a number, a function of time, or a pair (times, values); see
+    `harness.simulation.inputs`. `output_variables`: names, also with * and ?. `event_mode` False
+    keeps an FMI 3 FMU that has one in plain co-simulation. `progress` receives the share that is
+    done, `echo` each message of the FMU.
+
+    Raises `UsageError` for what cannot be meant, and otherwise a `HarnessError` whose `result`
+    holds the rows recorded before the fault.
+    """
+    request = Request(
+        interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
+        solver,
+    )  # fmt: skip
+    with ExitStack() as stack:
+        opened = fmu if isinstance(fmu, Fmu) else stack.enter_context(Fmu(Path(fmu)))
+        settings = settle(request, opened.description)
+        chosen = select(opened.description, output_variables)
+        instance = stack.enter_context(_instance(opened, settings, event_mode, echo))
+        notes = list(settings.notes)
+        stepping = settings.interface_type == CO_SIMULATION
+        if stepping and not instance.event_mode and has_input_clocks(opened.description):
+            notes.append("the FMU's clocks never tick: co-simulation is done without event mode")
+        set_start_values(instance, start_values or {})
+        tracks = read_inputs(opened.description, inputs, notes, instance.count)
+        clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
+        recorder = Recorder(instance, chosen)
+        kind = CoSimulation if settings.interface_type == CO_SIMULATION else ModelExchange
+        run = kind(instance, settings, tracks, clocks, recorder, notes)
+        return _finish(run.run(), recorder, opened, settings, notes, progress)
+
+
+def _instance(
+    fmu: Fmu, settings: Settings, event_mode: bool | None, echo: Callable[[LogMessage], None] | None
+) -> FmuInstance:
+    d, kind = fmu.description, settings.interface_type
+    stepping = kind == CO_SIMULATION and d.co_simulation is not None and d.fmi_major == 3
+    offered = stepping and d.co_simulation is not None and d.co_simulation.has_event_mode
+    events = bool(offered and event_mode is not False)
+    early = bool(
+        stepping and d.co_simulation is not None
+        and (events or d.co_simulation.might_return_early)
+    )  # fmt: skip
+    return fmu.instantiate(
+        d.name, interface_type=kind, event_mode=events, early_return=early,
+        logging=echo is not None, echo=echo,
+    )  # fmt: skip
+
+
+def _finish(
+    steps: Any, recorder: Recorder, fmu: Fmu, settings: Settings, notes: list[str],
+    progress: Progress | None,
+) -> SimulationResult:  # fmt: skip
+    began = wall_clock.perf_counter()
+    length = settings.stop_time - settings.start_time
+    fault: HarnessError | None = None
+    try:
+        for time in steps:
+            if progress is not None and length > 0.0:
+                progress((time - settings.start_time) / length)
+    except HarnessError as caught:
+        fault = caught
+    result = recorder.result(_manifest(fmu, settings, recorder, fault, began), notes)
+    if fault is not None:
+        fault.result = result
+        raise fault
+    return result
+
+
+def _manifest(
+    fmu: Fmu, settings: Settings, recorder: Recorder, fault: HarnessError | None, began: float
+) -> Manifest:
+    until = recorder.times[-1] if recorder.times else None
+    status = RunStatus(INCOMPLETE if fault else COMPLETE, until, str(fault or ""))
+    experiment = {
+        "interface_type": settings.interface_type, "start_time": settings.start_time,
+        "stop_time": settings.stop_time, "step_size": settings.step_size,
+        "output_interval": settings.output_interval,
+        "relative_tolerance": settings.relative_tolerance,
+        "solver": settings.solver,
+    }  # fmt: skip
+    record = FmuRecord(fmu.description.name, fmu.path.name, fmu.sha256)
+    wall_time = wall_clock.perf_counter() - began
+    return Manifest(status=status, fmus=(record,), experiment=experiment, wall_time=wall_time)
