@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,15 +26,13 @@ from typing import Any
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import ExperimentError, HarnessError, UsageError, nearest
-from harness.execution.run import Progress, columns_of, execute, opened, plan_system
-from harness.fmi.logger import LogMessage
+from harness.execution.prepared import Echo, PreparedSystem
+from harness.execution.run import Progress
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
-from harness.results.columns import Column
-from harness.results.manifest import FmuRecord, Manifest
-from harness.results.recording import Recording
 from harness.results.result import Result
+from harness.supervision.limits import Limits
 from harness.system.block import Block, Port
 from harness.system.graph import (
     BlockComponent,
@@ -47,7 +46,7 @@ from harness.system.graph import (
     System,
 )
 
-Echo = Callable[[str, LogMessage], None]
+__all__ = ["Bench", "Echo", "Progress"]
 
 
 class Bench:
@@ -226,17 +225,56 @@ class Bench:
         echo: Echo | None = None,
         experiment: Mapping[str, Any] | None = None,
         needed: Iterable[str] = (),
+        limits: Limits | None = None,
+        in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
         A run that ends early raises its fault, whose attribute `result` holds the rows so far.
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
+
+        A system with FMUs runs in a worker process within `limits`, so that an FMU that crashes,
+        hangs or exits ends the run and not the caller. What plain Python controllers remember
+        stays in the worker; with `in_process` true they, and the FMUs, run in this process.
+        With `resume` the run in `folder` goes on from its last checkpoint.
         """
-        return run_system(
-            self.system(), folder, record=self.record, progress=progress, echo=echo,
-            experiment=experiment, needed=needed,
-        )  # fmt: skip
+        if self._in_worker(in_process):
+            from harness.supervision.run import run_supervised
+
+            place = None if folder is None else Path(folder)
+            return run_supervised(
+                self.system(), place, record=self.record, limits=limits, progress=progress,
+                echo=echo, experiment=experiment, needed=needed, resume=resume,
+            )  # fmt: skip
+        if limits is not None and limits.isolate and self.system().fmus:
+            raise UsageError("isolation needs a worker process of the run's own, on Linux")
+        if resume:
+            raise UsageError("only runs with FMUs, in a worker process on Linux, can be resumed")
+        with self.prepare() as prepared:
+            return prepared.run(
+                folder, progress=progress, echo=echo, experiment=experiment, needed=needed
+            )
+
+    def _in_worker(self, in_process: bool | None) -> bool:
+        components = self._components.values()
+        if in_process or not any(isinstance(c, FmuComponent) for c in components):
+            return False
+        from harness.supervision.process import available
+
+        sinks = [c.name for c in components if isinstance(c, PythonComponent) and not c.outputs]
+        if available() and sinks and in_process is None:
+            warnings.warn(
+                f"{sinks[0]} has no outputs, and what it keeps stays in the worker process of the "
+                "run; run with in_process=True to have it here, or False to do without",
+                stacklevel=3,
+            )
+        return available()
+
+    def prepare(self) -> PreparedSystem:
+        """The system with its FMUs open and planned, for many runs; use as a context manager."""
+        return PreparedSystem(self.system(), self.record)
 
     def _add(self, component: Component) -> None:
         if component.name in self._components:
@@ -259,36 +297,6 @@ class Bench:
         return Endpoint(component, variable)
 
 
-def run_system(
-    system: System,
-    folder: str | Path | None = None,
-    *,
-    record: Sequence[str] = ("*",),
-    progress: Progress | None = None,
-    echo: Echo | None = None,
-    experiment: Mapping[str, Any] | None = None,
-    needed: Iterable[str] = (),
-) -> Result:
-    """Check, plan and run a system; see `Bench.run`."""
-    with opened(system) as fmus:
-        plan = plan_system(system, fmus, tuple(record))
-        columns = columns_of(plan, fmus)
-        _check_needed(needed, columns)
-        manifest = Manifest(
-            fmus=tuple(FmuRecord(name, fmu.path.name, fmu.sha256) for name, fmu in fmus.items()),
-            seeds={"seed": system.seed},
-            experiment=dict(experiment or {}),
-        )
-        recording = Recording(columns, None if folder is None else Path(folder), manifest)
-        with recording:
-            outcome = execute(plan, fmus, recording, progress=progress, echo=echo)
-            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
-    if outcome.fault is not None:
-        outcome.fault.result = result
-        raise outcome.fault
-    return result
-
-
 @contextmanager
 def _named(place: str) -> Iterator[None]:
     """Faults in the parameters of what stands at `place` say so."""
@@ -296,15 +304,6 @@ def _named(place: str) -> Iterator[None]:
         yield
     except ExperimentError as fault:
         raise ExperimentError(f"{place}: {fault}") from fault
-
-
-def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
-    names = [column.name for column in columns]
-    for name in needed:
-        if name not in names:
-            raise UsageError(
-                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
-            )
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:

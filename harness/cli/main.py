@@ -10,7 +10,7 @@ import sys
 
 import typer
 
-from harness.cli import build, info, listing, reproduce, run, simulate, timing
+from harness.cli import build, info, listing, reproduce, resume, run, simulate, timing
 from harness.cli.terminal import console
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
@@ -24,6 +24,7 @@ app = typer.Typer(
 )
 app.command("list")(listing.list_command)
 app.command("run")(run.run_command)
+app.command("resume")(resume.resume_command)
 app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
 app.command("simulate")(simulate.simulate_command)

@@ -18,6 +18,7 @@ import dis
 import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -57,14 +58,24 @@ def compile_step(block: Block) -> CompiledStep:
 
     Raises `CompileError` naming the function and the reason.
     """
-    sizes = tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
-    function = _plain(block.step)
-    digest = hashlib.sha256(repr(sizes).encode())
-    _fingerprint(function, (), {}, digest)
-    name = f"step_{digest.hexdigest()[:24]}"
+    name = f"step_{step_fingerprint(block)[:24]}"
     if name not in _compiled:
-        _compiled[name] = _compile(function, sizes, name)
+        _compiled[name] = _compile(_plain(block.step), _sizes(block), name)
     return _compiled[name]
+
+
+def step_fingerprint(block: Block) -> str:
+    """The hash of all code that `block.step` runs and of its array lengths (hexadecimal).
+
+    Raises `CompileError` where the step cannot be compiled.
+    """
+    digest = hashlib.sha256(repr(_sizes(block)).encode())
+    _fingerprint(_plain(block.step), (), {}, digest)
+    return digest.hexdigest()
+
+
+def _sizes(block: Block) -> tuple[int, ...]:
+    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
 
 
 _compiled: dict[str, CompiledStep] = {}
@@ -101,7 +112,24 @@ def _is_function(value: Any) -> bool:
 
 
 def _named(function: FunctionType) -> dict[str, Any]:
-    """The global values that a function names, in itself or in functions inside it."""
+    """The global values that a function names now, in itself or in functions inside it."""
+    known = function.__globals__
+    return {name: known[name] for name in _read(function.__code__).names if name in known}
+
+
+@dataclass(frozen=True)
+class _CodeFacts:
+    """What never changes about a code object: the names that it uses, in itself or in functions
+    inside it; whether it raises; the digest of its instructions and constants."""
+
+    names: tuple[str, ...]
+    raises: bool
+    digest: bytes
+
+
+@cache
+def _read(code: CodeType) -> _CodeFacts:
+    """Read once: taking instructions apart takes longer than many a run."""
 
     def names(code: CodeType) -> Iterator[str]:
         yield from code.co_names
@@ -109,8 +137,10 @@ def _named(function: FunctionType) -> dict[str, Any]:
             if isinstance(constant, CodeType):
                 yield from names(constant)
 
-    known = function.__globals__
-    return {name: known[name] for name in names(function.__code__) if name in known}
+    digest = hashlib.sha256()
+    _feed(digest, code)
+    raises = any(one.opname == "RAISE_VARARGS" for one in dis.get_instructions(code))
+    return _CodeFacts(tuple(dict.fromkeys(names(code))), raises, digest.digest())
 
 
 def _fingerprint(
@@ -127,7 +157,7 @@ def _fingerprint(
     if known:
         return
     _refuse(function)
-    _feed(digest, function.__code__)
+    digest.update(_read(function.__code__).digest)
     digest.update(repr((function.__defaults__, function.__kwdefaults__)).encode())
     for name, value in _named(function).items():
         digest.update(f"{name}={_identity(function, name, value)};".encode())
@@ -177,13 +207,12 @@ def _refuse(function: FunctionType) -> None:
             f"step function {_label(function)} uses variables of an enclosing function; pass them "
             "through the block's parameters"
         )
-    for instruction in dis.get_instructions(function):
-        if instruction.opname == "RAISE_VARARGS":
-            line = function.__code__.co_firstlineno
-            raise CompileError(
-                f"step function {_label(function)} (line {line}) raises an exception, which "
-                "compiled code cannot carry to the caller; write NaN to the outputs instead"
-            )
+    if _read(function.__code__).raises:
+        line = function.__code__.co_firstlineno
+        raise CompileError(
+            f"step function {_label(function)} (line {line}) raises an exception, which "
+            "compiled code cannot carry to the caller; write NaN to the outputs instead"
+        )
 
 
 def _feed(digest: Any, code: CodeType) -> None:

@@ -6,13 +6,15 @@ import copy
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import ValidationError
 
-from harness.bench import Bench, Echo
+from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, nearest
+from harness.execution.prepared import Echo, PreparedSystem, StartValues
 from harness.execution.run import Progress
 from harness.experiment.faults import describe
 from harness.experiment.measures import custom, needed_signals, tracking
@@ -23,7 +25,10 @@ from harness.experiment.schema import (
     FmuSpec,
     SignalSpec,
 )
+from harness.results.manifest import has_run, is_complete
+from harness.results.recording import read_recording
 from harness.results.result import Result
+from harness.supervision.limits import Limits
 
 Table = dict[str, Any]
 
@@ -150,21 +155,45 @@ class Experiment:
         seed: int | None = None,
         progress: Progress | None = None,
         echo: Echo | None = None,
+        limits: Limits | None = None,
+        in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
-        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does."""
+        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does.
+
+        `limits` are those of the file where none are given. With `resume` a run that is complete
+        in `folder` is read, and one that ended early goes on.
+        """
         spec = self.variant_spec(variant)
+        begun = resume and folder is not None and has_run(Path(folder))
+        if begun and folder is not None and is_complete(Path(folder)):
+            return self.measured(read_recording(Path(folder)), spec)
         bench = self.bench(variant, seed=seed)
-        resolved = spec.model_dump(mode="json", by_alias=True) | {"variant": variant}
         try:
             result = bench.run(
-                folder, progress=progress, echo=echo, experiment=resolved,
-                needed=needed_signals(spec),
+                folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
+                needed=needed_signals(spec), limits=limits or spec.run_limits(),
+                in_process=in_process, resume=begun,
             )  # fmt: skip
         except HarnessError as fault:
             if fault.result is not None:
                 fault.result = self.measured(fault.result, spec)
             raise
         return self.measured(result, spec)
+
+    def resolved(self, variant: str, spec: ExperimentSpec) -> Table:
+        """The variant as it is run, for the manifest; `file` is where relative paths begin."""
+        dumped = spec.model_dump(mode="json", by_alias=True)
+        return dumped | {"variant": variant, "file": str(self.path.resolve())}
+
+    def prepare(self, variant: str) -> PreparedVariant:
+        """A variant ready for many runs; use as a context manager."""
+        if self.variant_spec(variant).limits.isolate:
+            raise ExperimentError(
+                f"{self.path}: key limits.isolate: studies and sweeps run many times in one worker "
+                "and cannot isolate each run; run the variants one by one"
+            )
+        return PreparedVariant(self, variant)
 
     def measured(self, result: Result, spec: ExperimentSpec) -> Result:
         """`result` with the metrics that `measure` and `metrics` ask for."""
@@ -173,6 +202,69 @@ class Experiment:
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
         return result.with_metrics(found)
+
+
+class PreparedVariant:
+    """A variant of an experiment, put together once and run with other seeds and start values.
+
+    Each run gives the bits that a fresh `Experiment.run` gives. A context manager.
+    """
+
+    def __init__(self, experiment: Experiment, variant: str) -> None:
+        """Nothing is opened before the first run. Raises `ExperimentError`."""
+        self._experiment = experiment
+        self._variant = variant
+        self._spec = experiment.variant_spec(variant)
+        self._needed = tuple(needed_signals(self._spec))
+        self._system: PreparedSystem | None = None
+
+    def run(
+        self,
+        folder: str | Path | None = None,
+        *,
+        seed: int | None = None,
+        start_values: StartValues | None = None,
+        progress: Progress | None = None,
+        echo: Echo | None = None,
+    ) -> Result:
+        """As `Experiment.run`, with `start_values` of FMUs besides those of the file."""
+        system = self._system or self._experiment.bench(self._variant).prepare()
+        self._system = system
+        try:
+            result = system.run(
+                folder, seed=seed, start_values=start_values, progress=progress, echo=echo,
+                experiment=self._resolved(start_values or {}), needed=self._needed,
+            )  # fmt: skip
+        except HarnessError as fault:
+            self.close()  # an FMU that failed may have taken its library with it
+            if fault.result is not None:
+                fault.result = self._experiment.measured(fault.result, self._spec)
+            raise
+        if not system.repeatable:
+            self.close()
+        return self._experiment.measured(result, self._spec)
+
+    def close(self) -> None:
+        """Close the FMUs; the next run opens them again."""
+        if self._system is not None:
+            self._system.close()
+            self._system = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _resolved(self, start_values: StartValues) -> Table:
+        """The experiment as it is run, for the manifest."""
+        resolved = self._resolved_spec
+        changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
+        return _merge(resolved, {"components": changed}) if changed else resolved
+
+    @cached_property
+    def _resolved_spec(self) -> Table:
+        return self._experiment.resolved(self._variant, self._spec)
 
 
 def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:

@@ -14,6 +14,7 @@ import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -54,7 +55,7 @@ class FmuRecord:
 @dataclass(frozen=True)
 class Manifest:
     """The content of `manifest.json`. `seeds` by name of the random source, `experiment` resolved
-    to plain data; `wall_time` in seconds."""
+    to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints."""
 
     columns: tuple[Column, ...] = ()
     status: RunStatus = field(default_factory=lambda: RunStatus(RUNNING))
@@ -65,6 +66,7 @@ class Manifest:
     platform: str = field(default_factory=platform.platform)
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     wall_time: float | None = None
+    not_resumable: str = ""
     format: int = 1
 
     def write(self, folder: Path) -> None:
@@ -90,8 +92,24 @@ def read_manifest(folder: Path) -> Manifest:
         raise RecordingError(f"{path} cannot be read as a manifest: {fault!r}") from fault
 
 
+def has_run(folder: Path) -> bool:
+    """Whether a run was begun in `folder`."""
+    return (folder / FILE_NAME).exists()
+
+
+def is_complete(folder: Path) -> bool:
+    """Whether the run in `folder` reached its stop time; raises `RecordingError`."""
+    return read_manifest(folder).status.state == COMPLETE
+
+
 def software_versions() -> dict[str, str]:
     """Versions of Python, the harness and what it computes with; "not installed" where absent."""
+    return dict(_installed())
+
+
+@cache
+def _installed() -> Mapping[str, str]:
+    """Read once a process: a run takes less time than to read them."""
     found = {"python": platform.python_version()}
     for name in ("fmu-harness", *DEPENDENCIES):
         try:
