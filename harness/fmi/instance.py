@@ -83,6 +83,7 @@ class FmuInstance(ABC):
         self.handle = self._instantiate(folder, logging)
         returned()
         if not self.handle:
+            self.free()
             raise FmuError(
                 f"component {name}: FMU {description.name} could not be instantiated: "
                 f"{self.log.reasons()}"

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from harness.errors import HarnessError, SimulationError
+from harness.errors import FmuError, HarnessError, SimulationError
 from harness.fmi.fmu import Fmu
 from harness.fmi.instance import CO_SIMULATION, FmuInstance
 from harness.fmi.logger import LogMessage
@@ -63,8 +63,8 @@ def simulate(
         opened = fmu if isinstance(fmu, Fmu) else stack.enter_context(Fmu(Path(fmu)))
         settings = settle(request, opened.description)
         chosen = select(opened.description, output_variables)
-        instance = stack.enter_context(_instance(opened, settings, event_mode, echo))
         notes = list(settings.notes)
+        instance = stack.enter_context(_instance(opened, settings, event_mode, echo, notes))
         stepping = settings.interface_type == CO_SIMULATION
         if stepping and not instance.event_mode and has_input_clocks(opened.description):
             notes.append("the FMU's clocks never tick: co-simulation is done without event mode")
@@ -78,20 +78,31 @@ def simulate(
 
 
 def _instance(
-    fmu: Fmu, settings: Settings, event_mode: bool | None, echo: Callable[[LogMessage], None] | None
+    fmu: Fmu,
+    settings: Settings,
+    event_mode: bool | None,
+    echo: Callable[[LogMessage], None] | None,
+    notes: list[str],
 ) -> FmuInstance:
-    d, kind = fmu.description, settings.interface_type
-    stepping = kind == CO_SIMULATION and d.co_simulation is not None and d.fmi_major == 3
-    offered = stepping and d.co_simulation is not None and d.co_simulation.has_event_mode
-    events = bool(offered and event_mode is not False)
-    early = bool(
-        stepping and d.co_simulation is not None
-        and (events or d.co_simulation.might_return_early)
-    )  # fmt: skip
-    return fmu.instantiate(
-        d.name, interface_type=kind, event_mode=events, early_return=early,
-        logging=echo is not None, echo=echo,
-    )  # fmt: skip
+    d = fmu.description
+    stepping = d.co_simulation if settings.interface_type == CO_SIMULATION else None
+    events = stepping is not None and stepping.has_event_mode and event_mode is not False
+    early = stepping is not None and stepping.might_return_early
+
+    def made(events: bool) -> FmuInstance:
+        return fmu.instantiate(
+            d.name, interface_type=settings.interface_type, event_mode=events,
+            early_return=events or early, logging=echo is not None, echo=echo,
+        )  # fmt: skip
+
+    if not events or event_mode:
+        return made(events)
+    try:
+        return made(True)
+    except FmuError as refused:  # some claim an event mode that they do not have
+        instance = made(False)
+        notes.append(f"co-simulation is done without event mode, since: {refused}")
+        return instance
 
 
 def _finish(

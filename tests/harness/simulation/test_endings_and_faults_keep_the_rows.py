@@ -9,6 +9,7 @@ import pytest
 from harness import simulate
 from harness.errors import FmuError, SimulationError, UsageError
 from harness.fmi.fmi2 import Fmi2Instance
+from harness.fmi.fmi3 import Fmi3Instance
 from harness.fmi.instance import DiscreteStates
 from tests.harness.fmi.archives import member, rewritten
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
@@ -121,3 +122,18 @@ def test_the_working_directory_is_never_changed(
     simulate(model_fmu("1-slave"), stop_time=0.1)
     simulate(model_fmu("3"), interface_type="me", stop_time=0.1)
     assert Path.cwd() == tmp_path and list(tmp_path.iterdir()) == []
+
+
+def test_an_event_mode_that_is_claimed_and_refused_is_done_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    real = Fmi3Instance._instantiate
+
+    def refusing(instance: Fmi3Instance, folder: Path, logging: bool) -> int | None:
+        return None if instance.event_mode else real(instance, folder, logging)
+
+    monkeypatch.setattr(Fmi3Instance, "_instantiate", refusing)
+    result = simulate(model_fmu("3"), stop_time=0.1, step_size=0.1, output_variables=["x"])
+    assert list(result.time) == [0.0, 0.1] and "without event mode, since" in result.notes[0]
+    with pytest.raises(FmuError, match="could not be instantiated"):
+        simulate(model_fmu("3"), event_mode=True)
