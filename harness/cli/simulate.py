@@ -132,17 +132,17 @@ def _run(
     event_mode: bool,
     logging: bool,
 ) -> SimulationResult:
-    from harness.simulation.simulate import simulate
+    from harness.simulation.isolated import simulate_isolated
 
+    options = vars(request) | {
+        "start_values": starts, "inputs": input_file, "output_variables": variables,
+        "event_mode": None if event_mode else False,
+    }  # fmt: skip
     with bar() as shown:
         task = shown.add_task(opened.description.name, total=1.0)
-        return simulate(
-            opened,
-            **vars(request),
-            start_values=starts,
-            inputs=input_file,
-            output_variables=variables,
-            event_mode=None if event_mode else False,
+        return simulate_isolated(
+            opened.path,
+            options,
             progress=lambda share: shown.update(task, completed=share),
             echo=_echo if logging else None,
         )
@@ -151,6 +151,8 @@ def _run(
 def _summary(result: SimulationResult) -> None:
     from rich.table import Table
 
+    if not result.manifest.fmus:  # the FMU's process died; there is nothing but the rows
+        return
     e = result.manifest.experiment
     kind = f"{result.manifest.fmus[0].instance}, {e['interface_type']}"
     table = Table(title=f"{kind}, {len(result.time)} rows", title_justify="left", box=None)
@@ -182,7 +184,7 @@ def _write(result: SimulationResult, csv: Path | None, plot: Path | None, show: 
 
         write_csv(result, csv)
         console().print(f"written: {csv}", markup=False, soft_wrap=True)
-    if (plot is not None or show) and result.names and len(result.time):
+    if (plot is not None or show) and result.names and len(result.time) and result.manifest.fmus:
         from harness.simulation.plot import write_plot
 
         path = plot or Path(f"{result.manifest.fmus[0].instance}.png")

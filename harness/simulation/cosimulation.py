@@ -24,7 +24,7 @@ from harness.simulation.settings import Settings
 
 @dataclass
 class CoSimulation:
-    """One run; `run` yields the time (s) after each step, so that a caller can show progress."""
+    """One run; `run` yields the time (s) after initialisation and after each step."""
 
     instance: FmuInstance
     settings: Settings
@@ -44,6 +44,7 @@ class CoSimulation:
         time = s.start_time
         self.ended = self._initialise(time)
         self.recorder.record(time)
+        yield time
         while not self.ended and time < s.stop_time:
             target = self._target(time)
             if target > s.stop_time:

@@ -36,7 +36,8 @@ _OK = (0, 1)
 
 @dataclass
 class ModelExchange:
-    """One run; `run` yields the time (s) after each step of the solver."""
+    """One run; `run` yields the time (s) after initialisation and after each step of
+    the solver."""
 
     instance: FmuInstance
     settings: Settings
@@ -56,12 +57,13 @@ class ModelExchange:
         outcome = self._initialise(time)
         self.part = ContinuousPart(self.instance)
         self.recorder.record(time)
+        yield time
         if not outcome.terminate and s.stop_time > s.start_time:
             yield from self._solve(time, outcome)
         else:
             self.ended = outcome.terminate
         if self.ended:
-            last = self.recorder.times[-1]
+            last = self.recorder.last
             self.notes.append(f"the FMU asked to end the simulation at t = {last:.9g} s")
         with suppress(FmuError):  # what was computed is there
             self.instance.terminate()

@@ -11,14 +11,14 @@ from __future__ import annotations
 import fnmatch
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, nearest
-from harness.fmi.groups import VariableGroup, grouped
+from harness.fmi.groups import grouped
 from harness.fmi.instance import FmuInstance
 from harness.fmi.model_description import ModelDescription, Variable
 from harness.fmi.values import flat, native_dtype
@@ -26,6 +26,7 @@ from harness.results.columns import Column
 from harness.results.manifest import Manifest
 from harness.results.result import Result
 
+Content = tuple[list[float], list[list[Any]], dict[str, list[Any]]]
 _TEXT_TYPES = ("String", "Binary")
 
 
@@ -96,21 +97,92 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
     return [f"{name}[{','.join(map(str, place))}]" for place in places]
 
 
+@dataclass
+class Rows:
+    """Rows as they were read: a block of numbers or texts for each group of variables. It holds
+    nothing of an instance, so it may go to another process."""
+
+    variables: tuple[Variable, ...]
+    shapes: dict[str, tuple[int, ...]]
+    places: list[dict[str, slice]]
+    times: list[float] = field(default_factory=list)
+    blocks: list[list[Any]] = field(default_factory=list)
+    clocked: dict[str, list[Any]] = field(default_factory=dict)
+
+    def take(self) -> Rows:
+        """What is there so far, and nothing of it is kept."""
+        taken = replace(self)
+        self.times = []
+        self.blocks = [[] for _ in self.blocks]
+        self.clocked = {name: [] for name in self.clocked}
+        return taken
+
+    @property
+    def content(self) -> Content:
+        """The rows without what is the same for all of them."""
+        return self.times, self.blocks, self.clocked
+
+    def extend(self, more: Content) -> None:
+        """Append rows of the same variables."""
+        times, blocks, clocked = more
+        self.times += times
+        for mine, theirs in zip(self.blocks, blocks, strict=True):
+            mine += theirs
+        for name, values in clocked.items():
+            self.clocked[name] += values
+
+    def result(self, manifest: Manifest, notes: Sequence[str]) -> SimulationResult:
+        """The rows as a result."""
+        columns, numbers, texts, exact, order = [], [], {}, {}, []
+        for v, name, values in self._columns():
+            order.append(name)
+            if v.type in _TEXT_TYPES:
+                texts[name] = tuple(one.hex() if isinstance(one, bytes) else one for one in values)
+                continue
+            own = np.array(values, dtype=native_dtype(v))
+            own.flags.writeable = False
+            if own.dtype != np.float64:
+                exact[name] = own
+            columns.append(Column(name, v.unit or "1", v.description))
+            numbers.append(own.astype(np.float64))
+        time = np.array(self.times, dtype=np.float64)
+        notes = [*notes, *_not_finite(time, columns, numbers)]
+        data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
+        return SimulationResult(
+            tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
+            notes=tuple(notes),
+        )  # fmt: skip
+
+    def _columns(self) -> Iterator[tuple[Variable, str, Sequence[Any]]]:
+        """Variable, column name and values, in the order in which variables were selected."""
+        for v in self.variables:
+            names = element_names(v.name, self.shapes[v.name])
+            if v.name in self.clocked:
+                rows, first = [flat(row) for row in self.clocked[v.name]], 0
+            else:
+                at = next(i for i, places in enumerate(self.places) if v.name in places)
+                rows, first = self.blocks[at], self.places[at][v.name].start
+            for index, name in enumerate(names, start=first):
+                yield v, name, [row[index] for row in rows]
+
+
 class Recorder:
-    """Reads the selected variables of an instance, row by row, and makes the result of them."""
+    """Reads the selected variables of an instance, row by row; `rows` holds them."""
 
     def __init__(self, instance: FmuInstance, variables: Sequence[Variable]) -> None:
         """Bind the variables. Clocks, and what depends on a clock, are read when it ticks."""
         self.instance = instance
-        self.variables = tuple(variables)
         self._clocked = [v for v in variables if v.type == "Clock" or v.details.clocks]
-        free = [v for v in variables if v not in self._clocked]
-        self._groups = grouped(instance, free)
-        self._shapes = {v.name: instance.shape(v) for v in variables}
+        self._groups = grouped(instance, [v for v in variables if v not in self._clocked])
         self._held: dict[str, Any] = {v.name: _before_first_tick(v) for v in self._clocked}
-        self.times: list[float] = []
-        self._rows: list[list[Any]] = [[] for _ in self._groups]
-        self._clocked_rows: dict[str, list[Any]] = {v.name: [] for v in self._clocked}
+        self.last: float | None = None
+        self.rows = Rows(
+            tuple(variables),
+            {v.name: instance.shape(v) for v in variables},
+            [group.places for group in self._groups],
+            blocks=[[] for _ in self._groups],
+            clocked={v.name: [] for v in self._clocked},
+        )
 
     @property
     def clocked_names(self) -> set[str]:
@@ -128,49 +200,14 @@ class Recorder:
     def record(self, time: float) -> None:
         """Read and keep a row at `time` (s)."""
         read = [group.read() for group in self._groups]
-        self.times.append(time)
-        for rows, values in zip(self._rows, read, strict=True):
-            rows.append(values)
+        self.last = time
+        self.rows.times.append(time)
+        for block, values in zip(self.rows.blocks, read, strict=True):
+            block.append(values)
         for v in self._clocked:
-            self._clocked_rows[v.name].append(self._held[v.name])
+            self.rows.clocked[v.name].append(self._held[v.name])
             if v.type == "Clock":  # a tick is one row
                 self._held[v.name] = False
-
-    def result(self, manifest: Manifest, notes: Sequence[str]) -> SimulationResult:
-        """What was recorded so far."""
-        units = {v.name: v for v in self.variables}
-        columns, numbers, texts, exact, order = [], [], {}, {}, []
-        for v, name, values in self._columns():
-            order.append(name)
-            if v.type in _TEXT_TYPES:
-                texts[name] = tuple(one.hex() if isinstance(one, bytes) else one for one in values)
-                continue
-            own = np.array(values, dtype=native_dtype(v))
-            own.flags.writeable = False
-            if own.dtype != np.float64:
-                exact[name] = own
-            columns.append(Column(name, units[v.name].unit or "1", v.description))
-            numbers.append(own.astype(np.float64))
-        time = np.array(self.times, dtype=np.float64)
-        notes = [*notes, *_not_finite(time, columns, numbers)]
-        data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
-        return SimulationResult(
-            tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
-            notes=tuple(notes),
-        )  # fmt: skip
-
-    def _columns(self) -> Iterator[tuple[Variable, str, Sequence[Any]]]:
-        """Variable, column name and values, in the order in which variables were selected."""
-        for v in self.variables:
-            names = element_names(v.name, self._shapes[v.name])
-            if v.name in self._clocked_rows:
-                rows = [flat(row) for row in self._clocked_rows[v.name]]
-                for i, name in enumerate(names):
-                    yield v, name, [row[i] for row in rows]
-                continue
-            at, group = next((i, g) for i, g in enumerate(self._groups) if v.name in g.places)
-            for name, column in zip(names, _slices(self._rows[at], group, v), strict=True):
-                yield v, name, column
 
 
 def _not_finite(
@@ -181,12 +218,6 @@ def _not_finite(
         if odd.size:
             at, value = time[odd[0]], values[odd[0]]
             yield f"{column.name} is {value} at t = {at:.9g} s, the first of {odd.size} such rows"
-
-
-def _slices(rows: list[Any], group: VariableGroup, v: Variable) -> Iterator[Sequence[Any]]:
-    place = group.places[v.name]
-    for index in range(place.start, place.stop):
-        yield [row[index] for row in rows]
 
 
 def _before_first_tick(v: Variable) -> Any:

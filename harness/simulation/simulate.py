@@ -18,7 +18,7 @@ from harness.simulation.clocks import Clocks, has_input_clocks
 from harness.simulation.cosimulation import CoSimulation
 from harness.simulation.input_data import InputData, read_inputs
 from harness.simulation.model_exchange import ModelExchange
-from harness.simulation.outputs import Recorder, SimulationResult, select
+from harness.simulation.outputs import Recorder, Rows, SimulationResult, select
 from harness.simulation.settings import Request, Settings, settle
 from harness.simulation.start_values import set_start_values
 
@@ -41,6 +41,7 @@ def simulate(
     event_mode: bool | None = None,
     progress: Progress | None = None,
     echo: Callable[[LogMessage], None] | None = None,
+    on_rows: Callable[[Rows], None] | None = None,
 ) -> SimulationResult:
     """Simulate one FMU of FMI 1, 2 or 3, in co-simulation or model exchange.
 
@@ -50,7 +51,8 @@ def simulate(
     the path of a CSV file, or by name a number, a function of time, or a pair (times, values); see
     `harness.simulation.inputs`. `output_variables`: names, also with * and ?. `event_mode` False
     keeps an FMI 3 FMU that has one in plain co-simulation. `progress` receives the share that is
-    done, `echo` each message of the FMU.
+    done, `echo` each message of the FMU. `on_rows` takes the rows away after every step, so that
+    they outlive this process; the result then holds none.
 
     Raises `UsageError` for what cannot be meant, and otherwise a `HarnessError` whose `result`
     holds the rows recorded before the fault.
@@ -74,7 +76,7 @@ def simulate(
         recorder = Recorder(instance, chosen)
         kind = CoSimulation if settings.interface_type == CO_SIMULATION else ModelExchange
         run = kind(instance, settings, tracks, clocks, recorder, notes)
-        return _finish(run.run(), recorder, opened, settings, notes, progress)
+        return _finish(run.run(), recorder, opened, settings, notes, progress, on_rows)
 
 
 def _instance(
@@ -107,21 +109,25 @@ def _instance(
 
 def _finish(
     steps: Any, recorder: Recorder, fmu: Fmu, settings: Settings, notes: list[str],
-    progress: Progress | None,
+    progress: Progress | None, on_rows: Callable[[Rows], None] | None,
 ) -> SimulationResult:  # fmt: skip
     began = wall_clock.perf_counter()
     length = settings.stop_time - settings.start_time
     fault: HarnessError | None = None
     try:
         for time in steps:
+            if on_rows is not None and recorder.rows.times:
+                on_rows(recorder.rows.take())
             if progress is not None and length > 0.0:
                 progress((time - settings.start_time) / length)
     except HarnessError as caught:
         fault = caught
     except KeyboardInterrupt:
-        until = recorder.times[-1] if recorder.times else settings.start_time
+        until = settings.start_time if recorder.last is None else recorder.last
         fault = SimulationError(f"interrupted after t = {until:.9g} s")
-    result = recorder.result(_manifest(fmu, settings, recorder, fault, began), notes)
+    if on_rows is not None:
+        on_rows(recorder.rows.take())
+    result = recorder.rows.result(_manifest(fmu, settings, recorder, fault, began), notes)
     if fault is not None:
         fault.result = result
         raise fault
@@ -131,7 +137,7 @@ def _finish(
 def _manifest(
     fmu: Fmu, settings: Settings, recorder: Recorder, fault: HarnessError | None, began: float
 ) -> Manifest:
-    until = recorder.times[-1] if recorder.times else None
+    until = recorder.last
     status = RunStatus(INCOMPLETE if fault else COMPLETE, until, str(fault or ""))
     experiment = {
         "interface_type": settings.interface_type, "start_time": settings.start_time,

@@ -204,6 +204,13 @@ def model_fmu(kind: str) -> Path:
     return packed(kind, texts[kind], SOURCES / f"fmi{kind[0]}.c", flags)
 
 
+@cache
+def crashing_fmu(action: str) -> Path:
+    """The FMU of FMI 2 that does `action` (C) in the step that would pass 0.55 s."""
+    flags = [f"-DCRASH={action}", "-include", "stdlib.h", "-include", "unistd.h"]
+    return packed(f"2-{abs(hash(action))}", _fmi2(), SOURCES / "fmi2.c", flags)
+
+
 def compiled(source: Path, library: Path, flags: Iterable[str] = ()) -> Path:
     command = [str(COMPILER), "-shared", "-fPIC", "-w", "-O1", str(source), "-o", str(library)]
     subprocess.run([*command, *flags, "-lm"], check=True, cwd=library.parent)

@@ -89,6 +89,9 @@ int fmi2DoStep(void *c, double t, double h, int keep) {
         m->f->log(m->f->environment, "me", 3, "error", "asked for t = %g at t = %g", t, m->p.t);
         return 3;
     }
+#ifdef CRASH
+    if (t + h > 0.55) CRASH;
+#endif
     advance(&m->p, fmin(t + h, m->p.end_at), false);
     return m->p.t >= m->p.end_at - 1e-12 ? 2 : 0;
 }

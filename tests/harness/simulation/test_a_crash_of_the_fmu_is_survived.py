@@ -1,0 +1,85 @@
+"""In a process of its own an FMU may crash, end the process or hang: the caller lives, with the
+rows that came before; and where nothing goes wrong the result is the same."""
+
+import os
+import signal
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness import simulate
+from harness.cli.main import run_command_line
+from harness.errors import FmuError, SimulationError
+from harness.simulation.isolated import simulate_isolated
+from tests.harness.simulation.fmus import crashing_fmu, model_fmu, needs_compiler
+
+pytestmark = [needs_compiler, pytest.mark.skipif(os.name == "nt", reason="signals")]
+OPTIONS = {"stop_time": 1.0, "step_size": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("action", "words"),
+    [
+        ("raise(11)", "it crashed with SIGSEGV"),
+        ("abort()", "it crashed with SIGABRT"),
+        ("exit(3)", "it ended with exit code 3"),
+        ("_exit(0)", "it ended with exit code 0"),
+    ],
+)
+def test_rows_before_a_crash_are_kept(action: str, words: str) -> None:
+    with pytest.raises(SimulationError, match=rf"down after t = 0\.5 s: {words}") as caught:
+        simulate_isolated(crashing_fmu(action), OPTIONS)
+    result = caught.value.result
+    assert result.time.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+    assert result["counter"].tolist() == [0, 0, 0, 1, 1, 2]
+    assert result.status.state == "incomplete"
+
+
+def test_what_a_crash_left_unpacked_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = crashing_fmu("abort()")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(SimulationError):
+        simulate_isolated(path, OPTIONS)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_says_it_in_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.csv"
+    options = ["--stop-time", "1", "--step-size", "0.25", "--output-file", str(out)]
+    chosen = ["--output-variables", "counter"]
+    assert run_command_line(["simulate", str(crashing_fmu("abort()")), *options, *chosen]) == 1
+    text = capsys.readouterr().err
+    assert out.read_text() == '"time","counter"\n0,0\n0.25,1\n0.5,2\n'
+    assert "crashed with SIGABRT" in text and "Traceback" not in text
+
+
+def test_a_hang_ends_with_an_interrupt() -> None:
+    def interrupt() -> None:
+        time.sleep(1.5)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt, daemon=True).start()
+    with pytest.raises(SimulationError, match="interrupted"):
+        simulate_isolated(crashing_fmu("for(;;)sleep(1)"), OPTIONS)
+
+
+@pytest.mark.parametrize("kind", ["1-slave", "2", "3"])
+def test_without_a_fault_the_result_is_the_same(kind: str) -> None:
+    here, there = simulate(model_fmu(kind), **OPTIONS), simulate_isolated(model_fmu(kind), OPTIONS)
+    assert here.order == there.order and here.notes == there.notes
+    assert all(np.array_equal(here[name], there[name]) for name in here.order)
+
+
+def test_faults_come_back_as_they_are() -> None:
+    with pytest.raises(FmuError, match=r"returned Error: no step beyond 0\.45 s") as caught:
+        simulate_isolated(model_fmu("1-slave"), OPTIONS | {"start_values": {"end": 0.45}})
+    assert list(caught.value.result.time) == [0.0, 0.1, 0.2, 0.3, 0.4]
