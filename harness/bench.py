@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -31,6 +32,7 @@ from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
 from harness.results.result import Result
+from harness.supervision.limits import Limits
 from harness.system.block import Block, Port
 from harness.system.graph import (
     BlockComponent,
@@ -246,17 +248,52 @@ class Bench:
         echo: Echo | None = None,
         experiment: Mapping[str, Any] | None = None,
         needed: Iterable[str] = (),
+        limits: Limits | None = None,
+        in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
         A run that ends early raises its fault, whose attribute `result` holds the rows so far.
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
+
+        A system with FMUs runs in a worker process within `limits`, so that an FMU that crashes,
+        hangs or exits ends the run and not the caller. What plain Python controllers remember
+        stays in the worker; with `in_process` true they, and the FMUs, run in this process.
+        With `resume` the run in `folder` goes on from its last checkpoint.
         """
+        if self._in_worker(in_process):
+            from harness.supervision.run import run_supervised
+
+            place = None if folder is None else Path(folder)
+            return run_supervised(
+                self.system(), place, record=self.record, limits=limits, progress=progress,
+                echo=echo, experiment=experiment, needed=needed, resume=resume,
+            )  # fmt: skip
+        if limits is not None and limits.isolate and self.system().fmus:
+            raise UsageError("isolation needs a worker process of the run's own, on Linux")
+        if resume:
+            raise UsageError("only runs with FMUs, in a worker process on Linux, can be resumed")
         with self.prepare() as prepared:
             return prepared.run(
                 folder, progress=progress, echo=echo, experiment=experiment, needed=needed
             )
+
+    def _in_worker(self, in_process: bool | None) -> bool:
+        components = self._components.values()
+        if in_process or not any(isinstance(c, FmuComponent) for c in components):
+            return False
+        from harness.supervision.process import available
+
+        sinks = [c.name for c in components if isinstance(c, PythonComponent) and not c.outputs]
+        if available() and sinks and in_process is None:
+            warnings.warn(
+                f"{sinks[0]} has no outputs, and what it keeps stays in the worker process of the "
+                "run; run with in_process=True to have it here, or False to do without",
+                stacklevel=3,
+            )
+        return available()
 
     def prepare(self) -> PreparedSystem:
         """The system with its FMUs open and planned, for many runs; use as a context manager."""

@@ -18,6 +18,7 @@ FLOORS = (
     "harness.system",
     "harness.simulation",
     "harness.execution",
+    "harness.supervision",
     "harness.registry",
     "harness.bench",
     "harness.experiment",

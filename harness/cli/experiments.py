@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness import registry
-from harness.cli.values import settings
 
 if TYPE_CHECKING:
     from harness.experiment.experiment import Experiment
 
 
 @contextmanager
-def opened_experiment(name: str, pairs: Sequence[str] = ()) -> Iterator[Experiment]:
-    """The experiment of that name with settings (`key=value`), while its files are there."""
+def opened_experiment(
+    name: str, changed: Mapping[str, Any] | None = None
+) -> Iterator[Experiment]:
+    """The experiment of that name with settings merged into it, while its files are there."""
     from harness.experiment.experiment import Experiment
     from harness.ssp.package import is_package
     from harness.ssp.to_experiment import open_experiment
 
     if is_package(name):
-        with open_experiment(name, settings(pairs)) as experiment:
+        with open_experiment(name, dict(changed or {})) as experiment:
             yield experiment
     else:
-        yield Experiment.load(registry.experiment(name), settings(pairs))
+        yield Experiment.load(registry.experiment(name), changed)

@@ -52,5 +52,5 @@ def _export(name: str, output: Path, variant: list[str] | None, pairs: list[str]
     from harness.export.controller import controller_fmu
     from harness.ssp.from_experiment import export_experiment
 
-    with opened_experiment(name, pairs) as experiment:
+    with opened_experiment(name, settings(pairs)) as experiment:
         export_experiment(experiment, output, variant or experiment.variants, controller_fmu)

@@ -17,6 +17,7 @@ from harness.cli import (
     info,
     listing,
     reproduce,
+    resume,
     run,
     simulate,
     timing,
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 app.command("list")(listing.list_command)
 app.command("run")(run.run_command)
+app.command("resume")(resume.resume_command)
 app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
 app.command("export")(export.export_command)

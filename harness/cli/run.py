@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.progress import Progress, TaskID
@@ -15,11 +15,13 @@ from harness.cli.experiments import opened_experiment
 from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
+from harness.cli.values import settings
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.bench import Echo
     from harness.experiment.experiment import Experiment
+    from harness.experiment.run_record import RunRecord
 
 
 def run_command(
@@ -39,27 +41,80 @@ def run_command(
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
     fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
+    call_timeout: Annotated[
+        float | None, typer.Option(help="Seconds that one call into an FMU may take")
+    ] = None,
+    run_timeout: Annotated[float | None, typer.Option(help="Seconds that a run may take")] = None,
+    memory_limit: Annotated[
+        str | None, typer.Option(help="Memory that a run may hold, as in '4 GiB'")
+    ] = None,
+    isolate: Annotated[
+        bool, typer.Option(help="Let FMUs write no file but their own and open no connection")
+    ] = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
-    with notices(), opened_experiment(experiment, set_ or []) as loaded:
+    from harness.experiment.run_record import RunRecord
+
+    limits: dict[str, float | str | None]
+    limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
+    limits |= {"isolate": True} if isolate else {}
+    changed = settings(set_ or [])
+    changed |= limit_settings(changed, limits)
+    with notices(), opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
         folder = output or registry.run_folder(loaded.name)
-        title = f"{loaded.name}: {loaded.spec.title}"
-        console().print(title, markup=False, soft_wrap=True, style="bold")
-        if study:
-            written = _study(loaded, folder, jobs)
-        elif sweep:
-            written = _sweep(loaded, chosen, folder, jobs)
-        else:
-            written = _run(loaded, chosen, folder, _echo if fmi_logging else None)
-        for path in written:
-            console().print(f"written: {path}", markup=False, soft_wrap=True)
+        if not study and not sweep:
+            record = RunRecord(loaded, chosen)
+            record.write(folder)
+            finish_run(record, folder, logging=fmi_logging)
+            return
+        _title(loaded)
+        written = _study(loaded, folder, jobs) if study else _sweep(loaded, chosen, folder, jobs)
+        _name(written)
+
+
+def limit_settings(
+    changed: dict[str, Any], limits: Mapping[str, float | str | None]
+) -> dict[str, Any]:
+    """The table `limits` of the settings with those given by flags."""
+    given = {name: value for name, value in limits.items() if value is not None}
+    return {"limits": {**changed.get("limits", {}), **given}} if given else {}
+
+
+def finish_run(
+    record: RunRecord, folder: Path, *, logging: bool = False, resume: bool = False
+) -> None:
+    """Run what the folder lacks, and report on all of it."""
+    _title(record.experiment)
+    echo = _echo if logging else None
+    try:
+        _name(_run(record.experiment, record.variants, folder, echo, resume=resume))
+    except KeyboardInterrupt as fault:
+        raise HarnessError(
+            f"{fault or 'interrupted by Ctrl-C'}; the rows so far are in {folder}, and "
+            f"`fmu-harness resume {folder}` goes on with them"
+        ) from None
+
+
+def _title(loaded: Experiment) -> None:
+    title = f"{loaded.name}: {loaded.spec.title}"
+    console().print(title, markup=False, soft_wrap=True, style="bold")
+
+
+def _name(written: Iterable[Path]) -> None:
+    for path in written:
+        console().print(f"written: {path}", markup=False, soft_wrap=True)
 
 
 def _run(
-    loaded: Experiment, variants: tuple[str, ...], folder: Path, echo: Echo | None
+    loaded: Experiment,
+    variants: tuple[str, ...],
+    folder: Path,
+    echo: Echo | None,
+    *,
+    resume: bool = False,
 ) -> Iterator[Path]:
     from harness.experiment.report import metrics_table, signals_table, write_report
 
@@ -69,7 +124,9 @@ def _run(
             task = shown.add_task(loaded.label(name), total=1.0)
             moved = partial(_moved, shown, task)
             try:
-                results[name] = loaded.run(name, folder / name, progress=moved, echo=echo)
+                results[name] = loaded.run(
+                    name, folder / name, progress=moved, echo=echo, resume=resume
+                )
             except HarnessError as fault:
                 if fault.result is None:
                     raise

@@ -12,6 +12,7 @@ from rich.table import Table
 from harness.cli.experiments import opened_experiment
 from harness.cli.notices import notices
 from harness.cli.terminal import console
+from harness.cli.values import settings
 from harness.clock import show
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def timing_command(
     from harness.execution.timing import measure_delays
 
     out = console()
-    with notices(), opened_experiment(experiment, set_ or []) as loaded:
+    with notices(), opened_experiment(experiment, settings(set_ or [])) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:

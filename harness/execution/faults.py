@@ -46,7 +46,7 @@ def explain(
     name = getattr(action, "component", "?")
     if outcome == op.EARLY:
         return SimulationError(
-            f"component {name}: {_call_name(action)} {when} returned before the end of the step, "
+            f"component {name}: {call_name(action)} {when} returned before the end of the step, "
             "although early return was not allowed at instantiation; report it to its maker"
         )
     if outcome == op.NOT_CONVERGED:
@@ -73,7 +73,7 @@ def explain(
         )
     label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
     return SimulationError(
-        f"component {instance.name}: {_call_name(action)} {when} returned {label}: "
+        f"component {instance.name}: {call_name(action)} {when} returned {label}: "
         f"{instance.log.reasons()}"
     )
 
@@ -137,7 +137,8 @@ def _fmu_of(program: Program, action: Action) -> str:
     return action.component
 
 
-def _call_name(action: Action) -> str:
+def call_name(action: Action) -> str:
+    """What an action asks of its component, as a phrase."""
     match action:
         case Read():
             return f"getting {', '.join(action.outputs)}"
@@ -153,4 +154,6 @@ def _call_name(action: Action) -> str:
             return "setting the FMU state"
         case Linearise():
             return "directional derivative"
+        case Compute():
+            return "its step function"
     return type(action).__name__

@@ -73,7 +73,7 @@ class PreparedSystem:
         plan = self._plan
         if seed is not None or start_values:
             plan = _changed(plan, self._fmus, seed, start_values or {})
-        _check_needed(needed, self._columns)
+        check_needed(needed, self._columns)
         manifest = Manifest(
             fmus=tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self._fmus.items()),
             seeds={"seed": plan.lowered.system.seed},
@@ -132,7 +132,8 @@ def _changed(
     return replace(plan, lowered=replace(lowered, system=system, components=components))
 
 
-def _check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
+def check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
+    """Raises `UsageError` for a signal that is asked for and not recorded."""
     names = [column.name for column in columns]
     for name in needed:
         if name not in names:

@@ -83,13 +83,23 @@ class Program:
     keep: list[Any] = field(default_factory=list)
 
 
-def link(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
-    """Bind `plan` to live instances; raises `FmuError` or `CompileError`."""
-    return _Linker(plan, instances).link()
+def link(
+    plan: Plan, instances: Mapping[str, FmuInstance], clock: NDArray[np.int64] | None = None
+) -> Program:
+    """Bind `plan` to live instances; raises `FmuError` or `CompileError`.
+
+    The loop keeps its `clock` in the array given, or in one of its own.
+    """
+    return _Linker(plan, instances, clock).link()
 
 
 class _Linker:
-    def __init__(self, plan: Plan, instances: Mapping[str, FmuInstance]) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        instances: Mapping[str, FmuInstance],
+        clock: NDArray[np.int64] | None,
+    ) -> None:
         self.plan = plan
         self.instances = instances
         self.descriptions = {name: i.description for name, i in instances.items()}
@@ -102,7 +112,7 @@ class _Linker:
             plan,
             self.layout,
             v=np.zeros(self.layout.size + solving),
-            clock=np.zeros(5, dtype=np.int64),
+            clock=np.zeros(5, dtype=np.int64) if clock is None else clock,
             exchange=np.zeros(8 * (1 + room), dtype=np.uint8),
             recorded=np.array([self.layout.slots[end] for end in plan.recorded], dtype=np.int64),
         )

@@ -27,6 +27,7 @@ from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
 from harness.execution.program import Program, link
+from harness.execution.surroundings import Surroundings
 from harness.fmi.fmu import Fmu
 from harness.fmi.instance import FmuInstance
 from harness.fmi.logger import LogMessage
@@ -41,6 +42,7 @@ from harness.system.lowering import DelayComponent, lower
 _FIRST_CHUNK = 64
 _CHUNK_ROWS = 16384
 _CHUNK_SECONDS = 0.05
+_SKIPPED = 4096  # cycles whose samples are drawn at once when a run begins in the middle
 
 Progress = Callable[[float], None]
 """Called with the share of the run that is done, 0 to 1."""
@@ -147,19 +149,26 @@ def execute(
     *,
     progress: Progress | None = None,
     echo: Callable[[str, LogMessage], None] | None = None,
+    logging: bool | None = None,
+    surroundings: Surroundings | None = None,
 ) -> Outcome:
-    """Run `plan`; faults of the run itself come back in the outcome, not as exceptions."""
+    """Run `plan`; faults of the run itself come back in the outcome, not as exceptions.
+
+    FMUs are asked for `logging` where it is true, or None and there is an `echo`.
+    """
     began = time.perf_counter()
+    around = surroundings or Surroundings()
+    verbose = echo is not None if logging is None else logging
     with ExitStack() as stack:
         instances: dict[str, FmuInstance] = {}
         clock = None
         fault: HarnessError | None = None
         try:
             for c in plan.lowered.fmus:
-                instances[c.name] = stack.enter_context(_instance(c, fmus[c.name], echo))
-            program = _initialise(plan, instances)
+                instances[c.name] = stack.enter_context(_instance(c, fmus[c.name], echo, verbose))
+            program = _initialise(plan, instances, around)
             clock = program.clock
-            fault = _loop(program, instances, recorder, progress)
+            fault = _loop(program, instances, recorder, progress, around)
             _free_snapshots(program, instances)
             if fault is None or isinstance(fault, EndRequestedError):
                 for instance in instances.values():
@@ -173,7 +182,10 @@ def execute(
 
 
 def _instance(
-    component: FmuComponent, fmu: Fmu, echo: Callable[[str, LogMessage], None] | None
+    component: FmuComponent,
+    fmu: Fmu,
+    echo: Callable[[str, LogMessage], None] | None,
+    logging: bool,
 ) -> FmuInstance:
     name = component.name
     if fmu.description.fmi_major == 1:
@@ -182,22 +194,25 @@ def _instance(
             "`fmu-harness simulate` runs it on its own"
         )
     seen = None if echo is None else (lambda message: echo(name, message))
-    return fmu.instantiate(name, logging=echo is not None, echo=seen)
+    return fmu.instantiate(name, logging=logging, echo=seen)
 
 
-def _initialise(plan: Plan, instances: Mapping[str, FmuInstance]) -> Program:
+def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surroundings) -> Program:
     system = plan.lowered.system
     start, stop = to_seconds(system.start_ns), to_seconds(system.stop_ns)
     for component in plan.lowered.fmus:
         instance = instances[component.name]
         instance.set(component.start_values)
         instance.enter_initialization_mode(start, stop, component.tolerance)
-    program = link(plan, instances)
+    program = link(plan, instances, around.clock)
+    around.linked(program)
     for signal in program.signals:
         first = signal.source.sampler(named_seed(system.seed, signal.name))
         value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
         program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
+    around.loop(True)
     outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
+    around.loop(False)
     if outcome != op.OK:
         raise explain(program, instances, outcome)
     program.clock[:] = 0
@@ -229,6 +244,12 @@ class _Samples:
         self.cursors = np.zeros(max(1, len(self.signals)), dtype=np.int64)
         self.values = np.zeros(1)
 
+    def skip(self, cycles: int) -> None:
+        """Bring all samplers to where they are after that many cycles: what they give depends on
+        how many instants came before, not on how those were cut into chunks."""
+        for first in range(0, cycles, _SKIPPED):
+            self.fill(first, min(_SKIPPED, cycles - first))
+
     def fill(self, first_cycle: int, n_cycles: int) -> None:
         """Prepare the samples of `n_cycles` cycles from `first_cycle` on."""
         parts = []
@@ -250,26 +271,28 @@ def _loop(
     instances: Mapping[str, FmuInstance],
     recorder: Recorder,
     progress: Progress | None,
+    around: Surroundings,
 ) -> SimulationError | None:
     system, cycle_ns = program.plan.lowered.system, program.plan.cycle_ns
     n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
     rows_per_cycle = cycle_ns // system.record_ns
     samples = _Samples(program)
-    times, rows = np.empty(0, dtype=np.int64), np.empty((0, len(program.recorded)))
-    chunk = 1 if rows_per_cycle > _CHUNK_ROWS else _FIRST_CHUNK
-    cycle = 0
+    around.most_rows(max(_CHUNK_ROWS, rows_per_cycle), len(program.recorded))
+    chunk = 1 if rows_per_cycle > _CHUNK_ROWS else min(_FIRST_CHUNK, _CHUNK_ROWS // rows_per_cycle)
+    cycle = around.begin(program, instances)
+    samples.skip(cycle)
     while cycle < n_cycles:
         chunk = min(chunk, n_cycles - cycle)
         samples.fill(cycle, chunk)
         program.clock[ROWS] = 0
-        if len(times) < chunk * rows_per_cycle:  # memory fresh from the system is slow to touch
-            times = np.empty(chunk * rows_per_cycle, dtype=np.int64)
-            rows = np.empty((len(times), len(program.recorded)))
+        times, rows = around.room(chunk * rows_per_cycle, len(program.recorded))
         span = (system.start_ns, system.stop_ns, cycle_ns, cycle + chunk)
         began = time.perf_counter()
+        around.loop(True)
         try:
             outcome = _call(program, program.instants, samples, span, rows, times)
         finally:
+            around.loop(False)
             done = program.clock[ROWS]
             if done:
                 recorder.append(times[:done], rows[:done])
@@ -278,6 +301,7 @@ def _loop(
         cycle = int(program.clock[CYCLE])
         if progress is not None:
             progress(min(1.0, cycle / n_cycles))
+        around.between(cycle)
         if time.perf_counter() - began < _CHUNK_SECONDS:
             chunk = max(1, min(2 * chunk, _CHUNK_ROWS // rows_per_cycle))
         else:

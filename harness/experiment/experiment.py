@@ -25,7 +25,10 @@ from harness.experiment.schema import (
     FmuSpec,
     SignalSpec,
 )
+from harness.results.manifest import has_run, is_complete
+from harness.results.recording import read_recording
 from harness.results.result import Result
+from harness.supervision.limits import Limits
 
 Table = dict[str, Any]
 
@@ -171,13 +174,44 @@ class Experiment:
         seed: int | None = None,
         progress: Progress | None = None,
         echo: Echo | None = None,
+        limits: Limits | None = None,
+        in_process: bool | None = None,
+        resume: bool = False,
     ) -> Result:
-        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does."""
-        with self.prepare(variant) as prepared:
-            return prepared.run(folder, seed=seed, progress=progress, echo=echo)
+        """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does.
+
+        `limits` are those of the file where none are given. With `resume` a run that is complete
+        in `folder` is read, and one that ended early goes on.
+        """
+        spec = self.variant_spec(variant)
+        begun = resume and folder is not None and has_run(Path(folder))
+        if begun and folder is not None and is_complete(Path(folder)):
+            return self.measured(read_recording(Path(folder)), spec)
+        bench = self.bench(variant, seed=seed)
+        try:
+            result = bench.run(
+                folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
+                needed=needed_signals(spec), limits=limits or spec.run_limits(),
+                in_process=in_process, resume=begun,
+            )  # fmt: skip
+        except HarnessError as fault:
+            if fault.result is not None:
+                fault.result = self.measured(fault.result, spec)
+            raise
+        return self.measured(result, spec)
+
+    def resolved(self, variant: str, spec: ExperimentSpec) -> Table:
+        """The variant as it is run, for the manifest; `file` is where relative paths begin."""
+        dumped = spec.model_dump(mode="json", by_alias=True)
+        return dumped | {"variant": variant, "file": str(self.path.resolve())}
 
     def prepare(self, variant: str) -> PreparedVariant:
         """A variant ready for many runs; use as a context manager."""
+        if self.variant_spec(variant).limits.isolate:
+            raise ExperimentError(
+                f"{self.path}: key limits.isolate: studies and sweeps run many times in one worker "
+                "and cannot isolate each run; run the variants one by one"
+            )
         return PreparedVariant(self, variant)
 
     def measured(self, result: Result, spec: ExperimentSpec) -> Result:
@@ -243,13 +277,13 @@ class PreparedVariant:
 
     def _resolved(self, start_values: StartValues) -> Table:
         """The experiment as it is run, for the manifest."""
-        resolved = self._dumped | {"variant": self._variant}
+        resolved = self._resolved_spec
         changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
         return merge(resolved, {"components": changed}) if changed else resolved
 
     @cached_property
-    def _dumped(self) -> Table:
-        return self._spec.model_dump(mode="json", by_alias=True)
+    def _resolved_spec(self) -> Table:
+        return self._experiment.resolved(self._variant, self._spec)
 
 
 def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:

@@ -23,6 +23,8 @@ _TABLES: dict[str, type[BaseModel]] = {
     "x": schema.AxisSpec,
     "y": schema.AxisSpec,
     "study": schema.StudySpec,
+    "limits": schema.LimitsSpec,
+    "checkpoint": schema.CheckpointSpec,
 }
 
 _FAST: dict[type[BaseModel], type[BaseModel]] = {

@@ -10,7 +10,18 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    field_validator,
+    model_validator,
+)
+
+from harness.errors import UsageError
+from harness.supervision.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
@@ -57,7 +68,7 @@ class SensitivitySpec(Strict):
 
 
 def _kind(table: Any) -> str | None:
-    keys = table if isinstance(table, dict) else vars(table)
+    keys = table if isinstance(table, dict) else getattr(table, "__dict__", ())
     found = [kind for kind in KINDS if kind in keys]
     return found[0] if len(found) == 1 else None
 
@@ -203,6 +214,34 @@ class StudySpec(Strict):
     fast: FastStudySpec | None = None
 
 
+class LimitsSpec(Strict):
+    """What a run may use: seconds a `call` into an FMU may take, seconds for the whole `run`
+    (absent: any), and `memory` such as "4 GiB" (absent: nine tenths of the machine's). With
+    `isolate` it may write no file but its own, open no connection and signal nobody."""
+
+    call: float = Field(default=CALL_SECONDS, gt=0.0)
+    run: float | None = Field(default=None, gt=0.0)
+    memory: str | int | None = None
+    isolate: bool = False
+
+    @field_validator("memory")
+    @classmethod
+    def _a_size(cls, given: str | int | None) -> str | int | None:
+        try:
+            if given is not None and memory_size(given) <= 0:
+                raise ValueError("must be positive")
+        except UsageError as fault:
+            raise ValueError(str(fault)) from fault
+        return given
+
+
+class CheckpointSpec(Strict):
+    """A checkpoint, from which a run can be resumed, is written `every` so many seconds of wall
+    time; 0: never."""
+
+    every: float = Field(default=CHECKPOINT_SECONDS, ge=0.0)
+
+
 class ExperimentSpec(Strict):
     """A whole experiment file."""
 
@@ -229,3 +268,11 @@ class ExperimentSpec(Strict):
     metrics: dict[str, MetricSpec] = Field(default_factory=dict)
     study: StudySpec | None = None
     sweep: SweepSpec | None = None
+    limits: LimitsSpec = LimitsSpec()
+    checkpoint: CheckpointSpec = CheckpointSpec()
+
+    def run_limits(self) -> Limits:
+        """The limits of a run."""
+        memory = None if self.limits.memory is None else memory_size(self.limits.memory)
+        every = self.checkpoint.every or None
+        return Limits(self.limits.call, self.limits.run, memory, every, self.limits.isolate)

@@ -28,8 +28,9 @@ from harness.fmi.interface import (
     StepOutcome,
     capabilities,
 )
-from harness.fmi.library import library_path, load
+from harness.fmi.library import library_path, load, mandatory_functions
 from harness.fmi.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
+from harness.fmi.mark import calling, returned
 from harness.fmi.model_description import ModelDescription, Variable
 from harness.fmi.values import Value, Values, binaries, binary_pointers, from_c, to_c
 
@@ -69,12 +70,18 @@ class FmuInstance(ABC):
         self.event_mode, self.early_return = event_mode, early_return
         self.structural: dict[str, int] = {}
         self.log = MessageLog(echo)
-        identifier = self.capabilities.model_identifier
-        self._library = load(library_path(folder, identifier, description.fmi_major))
+        path = library_path(folder, self.capabilities.model_identifier, description.fmi_major)
+        calling(name, "loading its library")
+        self._library = load(path)
+        exchange = interface_type == MODEL_EXCHANGE
+        self._library.require(mandatory_functions(description.fmi_major, exchange))
+        returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
         self._environment = register(self.log)
+        calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
+        returned()
         if not self.handle:
             self.free()
             raise FmuError(
@@ -102,16 +109,18 @@ class FmuInstance(ABC):
 
     def call(self, name: str, *arguments: Any, what: str = "") -> None:
         """Call the C function `name` of this instance; raise unless it succeeds."""
-        self.check(self.status(name, *arguments), name, what)
+        self.check(self.status(name, *arguments, what=what), name, what)
 
-    def status(self, name: str, *arguments: Any) -> int:
+    def status(self, name: str, *arguments: Any, what: str = "") -> int:
         """Call the C function `name` of this instance; its status."""
         self._refuse_when_dead()
         function = self._functions.get(name)
         if function is None:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
             function = self._functions[name] = prototype(self.address(name))
+        calling(self.name, f"{self.prefix}{name}{what}")
         status: int = function(self.handle, *arguments)
+        returned()
         return status
 
     def check(self, status: int, name: str, what: str = "") -> None:
@@ -167,7 +176,9 @@ class FmuInstance(ABC):
         """Free the instance; harmless when it is gone already."""
         if self.handle and not self._library.corrupted:
             function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address(self.free_function))
+            calling(self.name, f"{self.prefix}{self.free_function}")
             function(self.handle)
+            returned()
             self._library.instances -= 1
         self.handle = None
         forget(self._environment)
@@ -270,9 +281,12 @@ class FmuInstance(ABC):
             prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
             native = self._functions[function] = prototype(self.address(function))
         self._refuse_when_dead()
+        what = f" of variable {variable.name!r}"
         blocks = [ctypes.byref(block) for block in data]
+        calling(self.name, f"{self.prefix}{function}{what}")
         status = native(self.handle, ctypes.byref(reference), 1, *blocks, *sizes)
-        self.check(status, function, f" of variable {variable.name!r}")
+        returned()
+        self.check(status, function, what)
 
     # state
 
@@ -291,6 +305,33 @@ class FmuInstance(ABC):
         self.call(
             "FreeFMUState" if self.prefix == "fmi3" else "FreeFMUstate", ctypes.pointer(state)
         )
+
+    def serialized_state(self) -> bytes:
+        """A snapshot as bytes, which outlives the process; raises `FmuError`."""
+        state, size = self.get_state(), ctypes.c_size_t()
+        try:
+            self.call(f"Serialized{self._state}Size", state, ctypes.pointer(size))
+            content = (ctypes.c_uint8 * size.value)()
+            first = ctypes.cast(content, ctypes.c_void_p)
+            self.call(f"Serialize{self._state}", state, first, size)
+        finally:
+            self.free_state(state)
+        return bytes(content)
+
+    def restore_state(self, content: bytes) -> None:
+        """Return to a snapshot in bytes, of an instance of the same FMU; raises `FmuError`."""
+        state, size = ctypes.c_void_p(), ctypes.c_size_t(len(content))
+        first = ctypes.cast(ctypes.create_string_buffer(content, len(content)), ctypes.c_void_p)
+        verb = "Deserialize" if self.prefix == "fmi3" else "DeSerialize"
+        self.call(f"{verb}{self._state}", first, size, ctypes.pointer(state))
+        try:
+            self.set_state(state)
+        finally:
+            self.free_state(state)
+
+    @property
+    def _state(self) -> str:
+        return "FMUState" if self.prefix == "fmi3" else "FMUstate"
 
     # derivatives
 

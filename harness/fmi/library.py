@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import ctypes
 import platform
+import re
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from harness.errors import FmuError
+from harness.fmi.binary import built_for, cut_short
 from harness.fmi.dependencies import load_with_neighbours
+from harness.fmi.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
 _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
@@ -33,11 +37,60 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
         path = binaries / name / (model_identifier + suffix)
         if path.is_file():
             return path
-    there = sorted(p.parent.name for p in binaries.glob("*/*") if p.suffix in _SUFFIX.values())
+    there = sorted(p for p in binaries.glob("*/*") if p.suffix in _SUFFIX.values())
+    here = [p.name for p in there if p.parent.name in names]
+    if here:
+        found = f"{', '.join(here)} instead"
+    else:
+        found = ", ".join(dict.fromkeys(p.parent.name for p in there)) or "no libraries at all"
+    sources = (folder / "sources").is_dir() and not here
     raise FmuError(
-        f"FMU has no library {model_identifier}{suffix} for {' or '.join(names)}; it has "
-        + (", ".join(dict.fromkeys(there)) if there else "no libraries at all")
+        f"FMU has no library {model_identifier}{suffix} for {' or '.join(names)}; it has {found}"
+        + (" (and sources, from which its maker can build one)" if sources else "")
     )
+
+
+def mandatory_functions(fmi_major: int, model_exchange: bool = False) -> tuple[str, ...]:
+    """What every library of FMI 2 or 3 must have for any run; setters and getters are looked for
+    when a variable of their type is used. FMI 1 prefixes its names, so none are known here."""
+    if fmi_major == 1:
+        return ()
+    kind = "ModelExchange" if model_exchange else "CoSimulation"
+    own = ("SetupExperiment",) if fmi_major == 2 else ()
+    step = ("SetTime", "SetContinuousStates") if model_exchange else ("DoStep",)
+    names = (
+        "Instantiate" if fmi_major == 2 else f"Instantiate{kind}", *own, "EnterInitializationMode",
+        "ExitInitializationMode", *step, "Terminate", "FreeInstance",
+    )  # fmt: skip
+    return tuple(f"fmi{fmi_major}{name}" for name in names)
+
+
+def _unfit(path: Path) -> str:
+    """Why a library cannot be loaded here, seen from its file, or ""."""
+    try:
+        platform_of = built_for(path)
+        if platform_of is None:
+            return "it is no library of any known kind"
+        if platform_tuple() not in platform_of.split(" and "):
+            return f"it is built for {platform_of}, and this machine is {platform_tuple()}"
+        return cut_short(path)
+    except OSError as fault:
+        return fault.strerror or str(fault)
+
+
+def _loader_reason(text: str, path: Path) -> str:
+    """The dynamic loader's message as a phrase that says what is missing."""
+    text = " ".join(text.replace(f"{path}: ", "").split())
+    library = re.search(r"^(\S+): cannot open shared object file", text)
+    if library:
+        return f"it needs the library {library[1]}, which is not installed here"
+    symbol = re.search(r"undefined symbol: ([^\s,]+)", text)
+    if symbol:
+        return f"it needs the symbol {symbol[1]}, which nothing here provides"
+    version = re.search(r"version [`'](\S+)' not found(?: \(required by .*\))?", text)
+    if version:
+        return f"it needs {version[1]} of the C library or another, which is older here"
+    return text
 
 
 # pythonfmu 0.7 frees its state twice when a process ends, which damages the heap, unless this
@@ -65,7 +118,9 @@ def unload_below(folder: Path) -> None:
         library = _loaded[path]
         if library.instances == 0 and not library.corrupted:
             del _loaded[path]
+            calling(path.name, "unloading the library")
             library.close()
+            returned()
 
 
 class Library:
@@ -80,10 +135,14 @@ class Library:
         self.path = path
         self.corrupted = False
         self.instances = 0
+        unfit = _unfit(path)
+        if unfit:
+            raise FmuError(f"library {path.name} of the FMU cannot be loaded: {unfit}")
         try:
             self._library, self._first = load_with_neighbours(path, _root(path))
         except OSError as fault:
-            raise FmuError(f"library {path.name} of the FMU cannot be loaded: {fault}") from fault
+            reason = _loader_reason(str(fault), path)
+            raise FmuError(f"library {path.name} of the FMU cannot be loaded: {reason}") from fault
 
     def address(self, name: str) -> int:
         """Address of the function `name`; raises `FmuError` when the library lacks it."""
@@ -91,6 +150,16 @@ class Library:
         if address is None:
             raise FmuError(f"library {self.path.name} has no function {name}")
         return address
+
+    def require(self, names: Iterable[str]) -> None:
+        """Raise `FmuError` with all of the functions `names` that the library lacks."""
+        missing = [name for name in names if self.find(name) is None]
+        if missing:
+            what = "function" if len(missing) == 1 else "functions"
+            raise FmuError(
+                f"library {self.path.name} of the FMU lacks the {what} {', '.join(missing)}, "
+                "which the standard demands"
+            )
 
     def close(self) -> None:
         """Unload; no address of it may be used any more."""

@@ -2,7 +2,10 @@
 
 FMI 1 and 2 hand over a printf format with its arguments, which Python cannot receive. A variadic
 C function, emitted here once per process, formats the message with the C library's vsnprintf and
-passes plain text on.
+passes plain text on. Formats that would make the C library crash are passed on as they are.
+
+An FMU may call back at any time, from any thread, with null or garbage, a million times: what is
+kept of it is bounded, and no exception leaves a callback.
 """
 
 from __future__ import annotations
@@ -16,9 +19,16 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from harness.fmi.formats import expandable
+from harness.fmi.wording import shorten
+
 STATUS_NAMES = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 KEPT_MESSAGES = 200
-_SIZE = 4096
+LONGEST_MESSAGE = 4096
+"""Characters of a message that are kept."""
+
+_SIZE = LONGEST_MESSAGE
+_REASON = 500  # characters of messages in an error
 
 
 @dataclass(frozen=True)
@@ -36,18 +46,24 @@ class LogMessage:
 
 @dataclass
 class MessageLog:
-    """The last `KEPT_MESSAGES` messages of an instance; `echo` sees each as it arrives."""
+    """The last `KEPT_MESSAGES` messages of an instance; `echo` sees each as it arrives.
+
+    `count` is the number of all messages so far, `dropped` that of those no longer kept.
+    """
 
     echo: Callable[[LogMessage], None] | None = None
     messages: deque[LogMessage] = field(default_factory=lambda: deque(maxlen=KEPT_MESSAGES))
+    count: int = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many messages came and are no longer kept."""
+        return self.count - len(self.messages)
 
     def add(self, status: int, category: bytes | None, text: bytes | None) -> None:
         """Keep a message; anything that is no text is replaced, and no exception leaves."""
-        message = LogMessage(
-            status,
-            (category or b"").decode("utf-8", "replace"),
-            (text or b"").decode("utf-8", "replace").rstrip(),
-        )
+        message = LogMessage(status, _decoded(category), _decoded(text).rstrip())
+        self.count += 1
         self.messages.append(message)
         if self.echo is not None:
             try:
@@ -57,16 +73,31 @@ class MessageLog:
 
     def reasons(self) -> str:
         """The last messages that report trouble, as a phrase for an error."""
-        troubles = [m.text for m in self.messages if m.status >= 1 and m.text] or [
-            m.text for m in self.messages if m.text
-        ]
-        return "; ".join(troubles[-2:]) if troubles else "the FMU logged no reason"
+        kept = [m for m in list(self.messages) if m.text]  # a copy: another thread may be logging
+        troubles = [m.text for m in kept if m.status >= 1] or [m.text for m in kept]
+        return shorten("; ".join(troubles[-2:]), _REASON) or "the FMU logged no reason"
+
+
+def _decoded(raw: bytes | None) -> str:
+    return (raw or b"")[:LONGEST_MESSAGE].decode("utf-8", "replace")
 
 
 PLAIN_LOGGER = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
 )
 """void logger(environment, instance name, status, category, text)"""
+
+_CHECK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+
+
+@_CHECK  # type: ignore[untyped-decorator]
+def _check(form: Any, arguments: Any) -> int:
+    """1 where the format may be expanded with its arguments."""
+    try:
+        return int(expandable(ctypes.string_at(form), arguments or 0))
+    except Exception:
+        return 0
+
 
 _logs: dict[int, MessageLog] = {}
 _logs_by_name: dict[bytes, MessageLog] = {}
@@ -139,6 +170,7 @@ def _ir() -> str:
     name = "_vsnprintf" if sys.platform == "win32" else "vsnprintf"
     formatter = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
     receiver = ctypes.cast(_receive, ctypes.c_void_p).value
+    checker = ctypes.cast(_check, ctypes.c_void_p).value
     # where va_list is an array (System V, AAPCS64) its address is passed, elsewhere its content
     by_value = sys.platform in ("win32", "darwin") and "x86_64" not in _machine()
     by_value = by_value or sys.platform == "win32"
@@ -159,15 +191,24 @@ define void @fmu_harness_logger(
 print:
   call void @llvm.va_start(i8* %raw)
   {load}
+  %check = inttoptr i64 {checker} to i32 (i8*, i8*)*
+  %safe = call i32 %check(i8* %format, i8* %list)
+  %sound = icmp ne i32 %safe, 0
+  br i1 %sound, label %expand, label %leave
+expand:
   %vsnprintf = inttoptr i64 {formatter} to i32 (i8*, i64, i8*, i8*)*
   %n = call i32 %vsnprintf(i8* %first, i64 {_SIZE}, i8* %format, i8* %list)
   call void @llvm.va_end(i8* %raw)
   %last = getelementptr i8, i8* %first, i64 {_SIZE - 1}
   store i8 0, i8* %last
   br label %pass
+leave:
+  call void @llvm.va_end(i8* %raw)
+  br label %pass
 pass:
+  %out = phi i8* [ %first, %0 ], [ %first, %expand ], [ %format, %leave ]
   %receive = inttoptr i64 {receiver} to void (i8*, i8*, i32, i8*, i8*)*
-  call void %receive(i8* %env, i8* %name, i32 %status, i8* %category, i8* %first)
+  call void %receive(i8* %env, i8* %name, i32 %status, i8* %category, i8* %out)
   ret void
 }}
 """

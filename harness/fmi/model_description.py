@@ -14,10 +14,6 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-import fmpy
-from fmpy.model_description import ValidationError
-from lxml import etree
-
 from harness.errors import FmuError, nearest
 from harness.fmi.details import (
     Details,
@@ -26,6 +22,8 @@ from harness.fmi.details import (
     read_details,
     read_display_units,
 )
+from harness.fmi.document import faults_of, raise_first, read_document
+from harness.fmi.value_checks import unit_faults, variable_faults
 from harness.system.units import Unit
 
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
@@ -174,32 +172,12 @@ def read_model_description(folder: Path, source: Path) -> ModelDescription:
 
     Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
     """
-    document = folder / "modelDescription.xml"
-    try:
-        tree = _parse(document)
-    except etree.XMLSyntaxError as fault:
-        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    if tree.docinfo.doctype:
-        raise FmuError(f"modelDescription.xml of {source} has a DOCTYPE, which FMUs may not have")
-    try:
-        description = fmpy.read_model_description(str(folder), validate=True)
-    except ValidationError as fault:
-        problems = "; ".join(str(problem) for problem in fault.problems[:3])
-        more = f" (and {len(fault.problems) - 3} more)" if len(fault.problems) > 3 else ""
-        raise FmuError(
-            f"modelDescription.xml of {source} is not valid: {problems}{more}"
-        ) from fault
-    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
-        raise FmuError(f"modelDescription.xml of {source} cannot be read: {fault}") from fault
-    return _adapt(description, tree.getroot())
-
-
-def _parse(document: Path) -> Any:
-    """The document tree, parsed without expanding or loading anything."""
-    parser = etree.XMLParser(
-        resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
-    )
-    return etree.parse(str(document), parser)
+    root, description = read_document(folder, source)
+    with faults_of(source):
+        adapted = _adapt(description, root)
+    raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
+    raise_first(unit_faults(adapted.units), source)
+    return adapted
 
 
 def _directional(root: Any) -> frozenset[str]:

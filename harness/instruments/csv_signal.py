@@ -48,8 +48,8 @@ class CsvTable:
         if len(backwards):
             row = int(backwards[0]) + 1
             raise ExperimentError(
-                f"{self.path}: time goes back from {seconds[row - 1]!r} s to {seconds[row]!r} s "
-                f"in row {row + 1} of the values; times must not decrease"
+                f"{self.path}: time goes back from {seconds[row - 1]:.9g} s to "
+                f"{seconds[row]:.9g} s in row {row + 1} of the values; times must not decrease"
             )
         return times_ns
 
@@ -67,14 +67,16 @@ class CsvTable:
         try:
             values = self.columns.column(index).cast("float64").to_numpy()
         except (ValueError, NotImplementedError) as fault:
+            reason = " ".join(str(fault).split())[:300]
             raise ExperimentError(
-                f"{self.path}: column {name!r} holds something that is no number ({fault})"
+                f"{self.path}: column {name!r} holds something that is no number ({reason})"
             ) from fault
-        empty = np.flatnonzero(np.isnan(values))
-        if len(empty):
+        odd = np.flatnonzero(~np.isfinite(values))
+        if len(odd):
+            row = int(odd[0])
+            what = "no number" if np.isnan(values[row]) else f"{values[row]}"
             raise ExperimentError(
-                f"{self.path}: column {name!r} has no number in row {int(empty[0]) + 1} of the "
-                "values"
+                f"{self.path}: column {name!r} has {what} in row {row + 1} of the values"
             )
         return np.asarray(values, dtype=np.float64)
 
@@ -116,11 +118,16 @@ def read_csv_table(path: Path, *, as_text: bool = False) -> CsvTable:
                 false_values=["False", "false", "FALSE"],
             ),
         )
-    except pa.ArrowInvalid as fault:
+    except ExperimentError:
+        raise
+    except UnicodeDecodeError as fault:
+        raise ExperimentError(f"{path} is no text in UTF-8: {fault}") from fault
+    except (csv.Error, pa.ArrowException, ValueError, TypeError) as fault:
         if "Empty CSV" in str(fault):
             raise ExperimentError(f"{path} has a header but no rows of values") from fault
-        raise ExperimentError(f"{path} cannot be read as CSV: {fault}") from fault
-    except (OSError, UnicodeDecodeError) as fault:
+        reason = " ".join(str(fault).split())[:300]
+        raise ExperimentError(f"{path} cannot be read as CSV: {reason}") from fault
+    except OSError as fault:
         raise ExperimentError(f"{path} cannot be read: {fault}") from fault
     return CsvTable(path, names, table)
 

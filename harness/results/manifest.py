@@ -55,7 +55,7 @@ class FmuRecord:
 @dataclass(frozen=True)
 class Manifest:
     """The content of `manifest.json`. `seeds` by name of the random source, `experiment` resolved
-    to plain data; `wall_time` in seconds."""
+    to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints."""
 
     columns: tuple[Column, ...] = ()
     status: RunStatus = field(default_factory=lambda: RunStatus(RUNNING))
@@ -66,6 +66,7 @@ class Manifest:
     platform: str = field(default_factory=platform.platform)
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     wall_time: float | None = None
+    not_resumable: str = ""
     format: int = 1
 
     def write(self, folder: Path) -> None:
@@ -89,6 +90,16 @@ def read_manifest(folder: Path) -> Manifest:
         raise RecordingError(f"{folder} is no run folder: it holds no {FILE_NAME}") from fault
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise RecordingError(f"{path} cannot be read as a manifest: {fault!r}") from fault
+
+
+def has_run(folder: Path) -> bool:
+    """Whether a run was begun in `folder`."""
+    return (folder / FILE_NAME).exists()
+
+
+def is_complete(folder: Path) -> bool:
+    """Whether the run in `folder` reached its stop time; raises `RecordingError`."""
+    return read_manifest(folder).status.state == COMPLETE
 
 
 def software_versions() -> dict[str, str]:

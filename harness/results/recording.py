@@ -19,8 +19,11 @@ from.
 
 from __future__ import annotations
 
+import errno
+import os
 import time as clock
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
@@ -34,7 +37,12 @@ from harness.errors import RecordingError
 from harness.results.columns import Column, check_columns, stream_schema
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
-from harness.results.storage import STREAM_FILE, read_recording, seal
+from harness.results.storage import STREAM_FILE, first_rows, read_recording, seal
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 __all__ = ["Column", "Recording", "read_recording", "seal"]
 
@@ -52,8 +60,14 @@ class Recording:
         columns: Iterable[Column],
         folder: Path | None = None,
         manifest: Manifest | None = None,
+        *,
+        continued: int | None = None,
     ) -> None:
-        """Opens the recording; raises `RecordingError` where the folder cannot be used."""
+        """Opens the recording; raises `RecordingError` where the folder cannot be used.
+
+        With `continued` the folder holds a run that ended early, and its first so many rows are
+        kept; what came after them is dropped.
+        """
         self.columns = check_columns(columns)
         self.folder = None if folder is None else Path(folder)
         self.result: Result | None = None
@@ -64,20 +78,38 @@ class Recording:
         self._chunks: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
         self._last: int | None = None
         self._stream: Any = None
+        self._lock: FolderLock | None = None
         if self.folder is not None:
-            self._open(self.folder)
+            self._lock = FolderLock(self.folder)
+            try:
+                self._open(self.folder, continued)
+            except BaseException:
+                self._lock.release()
+                raise
 
-    def _open(self, folder: Path) -> None:
+    def _open(self, folder: Path, continued: int | None) -> None:
         import pyarrow as pa
 
-        prepare_folder(folder)
         self._schema = stream_schema(self.columns)
+        kept = [] if continued is None else list(first_rows(folder, continued))
+        path = folder / STREAM_FILE
+        partial = path if continued is None else path.with_suffix(".partial")
         try:
-            self._manifest.write(folder)
-            self._file = pa.OSFile(str(folder / STREAM_FILE), "wb")
+            if continued is None:
+                check_empty(folder)
+                self._manifest.write(folder)
+            self._file = partial.open("wb")
             self._stream = pa.ipc.new_stream(self._file, self._schema)
+            for batch in kept:
+                self._stream.write_batch(batch)
+            self._file.flush()
+            if continued is not None:
+                partial.replace(path)
+                self._manifest.write(folder)
         except OSError as fault:
             raise RecordingError(f"cannot write into the run folder {folder}: {fault}") from fault
+        if kept:
+            self._last = int(kept[-1].column(0)[-1].as_py())
 
     def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """Adds rows (shape (n, number of columns)) at `times_ns` (integer nanoseconds, shape (n,)).
@@ -95,9 +127,11 @@ class Recording:
         if len(times_ns) == 0:
             return
         self._check_order(times_ns)
-        if self._stream is None:
+        if self.folder is None:
             self._chunks.append((times_ns.copy(), rows.copy()))
         else:
+            if self._stream is None:
+                raise RecordingError(f"cannot write rows into {self.folder}, as before")
             self._write(times_ns, rows)
         self._last = int(times_ns[-1])
 
@@ -118,11 +152,28 @@ class Recording:
         arrays = [pa.array(np.ascontiguousarray(times_ns)), *map(pa.array, by_column)]
         try:
             self._stream.write_batch(pa.record_batch(arrays, schema=self._schema))
+            self._file.flush()
         except OSError as fault:
+            self._abandon()
             raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
 
-    def finish(self, reason: str = "") -> Result:
-        """Ends the recording and gives the result; with a `reason` the run is incomplete.
+    def _abandon(self) -> None:
+        """Nothing more goes into the stream; what is in it stays."""
+        self._stream = None
+        with suppress(OSError):
+            self._file.close()
+
+    def sync(self) -> None:
+        """When it returns, the rows appended so far survive also the end of the machine."""
+        if self._stream is not None:
+            try:
+                os.fsync(self._file.fileno())
+            except OSError as fault:
+                raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
+
+    def finish(self, reason: str = "", *, keep_stream: bool = False) -> Result:
+        """Ends the recording and gives the result; with a `reason` the run is incomplete, and the
+        stream may be kept beside the results, to be `continued`.
 
         A second call gives the same result.
         """
@@ -135,8 +186,12 @@ class Recording:
         if self.folder is None:
             self.result = self._from_memory()
         else:
-            self._close()
-            self.result = seal(self.folder, self._manifest)
+            try:
+                self._close()
+                self.result = seal(self.folder, self._manifest, keep_stream=keep_stream)
+            finally:
+                if self._lock is not None:
+                    self._lock.release()
         return self.result
 
     def _from_memory(self) -> Result:
@@ -146,10 +201,13 @@ class Recording:
         return Result(self.columns, seconds_of(np.concatenate(times)), data, self._manifest)
 
     def _close(self) -> None:
+        if self._stream is None:
+            return
         try:
             self._stream.close()
             self._file.close()
         except OSError as fault:
+            self._abandon()
             raise RecordingError(f"cannot close the rows in {self.folder}: {fault}") from fault
 
     def __enter__(self) -> Recording:
@@ -166,15 +224,47 @@ class Recording:
         self.finish("" if fault is None else f"{type(fault).__name__}: {fault}")
 
 
-def prepare_folder(folder: Path) -> None:
-    """Makes the run folder; raises `RecordingError` where it holds something or cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        held = next(folder.iterdir(), None)
-    except OSError as fault:
-        raise RecordingError(
-            f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another one"
-        ) from fault
+class FolderLock:
+    """A run folder, made where it is not there, that no other run writes into meanwhile.
+
+    The system holds the lock, so it is gone with the process. Where there are no such locks,
+    only the check that the folder is empty keeps runs apart.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Raises `RecordingError` where the folder cannot be made, or another run has it."""
+        self._descriptor: int | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if fcntl is None:
+                return
+            self._descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as fault:
+            self.release()
+            raise RecordingError(
+                f"another run is writing into the run folder {folder}; choose another one, or wait"
+            ) from fault
+        except OSError as fault:
+            self.release()
+            if fault.errno in (errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK):
+                return
+            raise RecordingError(
+                f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another "
+                "one"
+            ) from fault
+
+    def release(self) -> None:
+        """Let others have the folder."""
+        if self._descriptor is not None and fcntl is not None:
+            fcntl.flock(self._descriptor, fcntl.LOCK_UN)  # also for processes forked meanwhile
+            os.close(self._descriptor)
+        self._descriptor = None
+
+
+def check_empty(folder: Path) -> None:
+    """Raises `RecordingError` where the run folder holds something."""
+    held = next(folder.iterdir(), None)
     if held is not None:
         raise RecordingError(
             f"the run folder {folder} is not empty (it holds {held.name!r}); nothing was changed "

@@ -32,13 +32,20 @@ METRICS_FILE = "metrics.json"
 ROWS_A_BLOCK = 65_536
 
 
-def seal(folder: Path, manifest: Manifest | None = None, *, reason: str = "") -> Result:
+def seal(
+    folder: Path,
+    manifest: Manifest | None = None,
+    *,
+    reason: str = "",
+    keep_stream: bool = False,
+) -> Result:
     """Turns the stream of an ended run into Parquet and CSV, writes the manifest, removes the
     stream, and gives the result.
 
     For a run whose process died, call it with the `reason` alone: the manifest in the folder is
     completed with status "incomplete" and the time of the last whole chunk. A folder that is
-    sealed already is only read.
+    sealed already is only read. With `keep_stream` the stream stays, from which a run that ended
+    early can go on.
     """
     folder = Path(folder)
     stream = folder / STREAM_FILE
@@ -52,9 +59,15 @@ def seal(folder: Path, manifest: Manifest | None = None, *, reason: str = "") ->
             status = RunStatus(INCOMPLETE, until, reason or "the run ended without a word")
             written = replace(written, status=status)
         written.write(folder)
-        stream.unlink()
+        if not keep_stream:
+            stream.unlink()
     except OSError as fault:
-        raise RecordingError(f"cannot write the results into {folder}: {fault}") from fault
+        raise RecordingError(
+            f"cannot write the results into {folder}: {fault}; its rows are in {STREAM_FILE}"
+        ) from fault
+    finally:
+        for name in (PARQUET_FILE, CSV_FILE):
+            (folder / (name + ".partial")).unlink(missing_ok=True)
     return read_recording(folder)
 
 
@@ -117,6 +130,19 @@ def _whole_batches(stream: Path) -> Iterator[Any]:
             except (StopIteration, pa.ArrowInvalid, OSError):
                 return
             yield batch
+
+
+def first_rows(folder: Path, count: int) -> Iterator[Any]:
+    """The first `count` rows of a run folder's stream as record batches; raises `RecordingError`
+    where it does not hold as many."""
+    missing = count
+    stream = folder / STREAM_FILE
+    for batch in _whole_batches(stream) if stream.exists() else ():
+        if missing > 0:
+            yield batch.slice(0, min(missing, batch.num_rows))
+            missing -= batch.num_rows
+    if missing > 0:
+        raise RecordingError(f"{stream} lacks {missing} of the {count} rows before the checkpoint")
 
 
 def _blocks(stream: Path) -> Iterator[Any]:

@@ -6,6 +6,7 @@ rates that share no cycle) is judged by the planner, still before anything is lo
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from harness.system.graph import (
     SensitivityComponent,
     System,
 )
+from harness.system.start_values import start_value_faults
 from harness.system.units import Unit, conversion, parse_unit
 
 Descriptions = Mapping[str, ModelDescription]
@@ -86,8 +88,16 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
         if count > 1:
             yield f"component name {name!r} is used {count} times; names must be unique"
     names = [c.name for c in system.components]
+    run_ns = system.stop_ns - system.start_ns
+    if 0 < run_ns < system.record_ns:
+        yield f"record step {show(system.record_ns)} is longer than the run of {show(run_ns)}"
     for component in system.components:
         if isinstance(component, FmuComponent):
+            if 0 < run_ns < component.step_ns:
+                yield (
+                    f"component {component.name}: step {show(component.step_ns)} is longer than "
+                    f"the run of {show(run_ns)}"
+                )
             yield from _fmu_faults(component, descriptions[component.name])
         elif isinstance(component, SensitivityComponent):
             yield from _sensitivity_faults(component, names, descriptions)
@@ -103,10 +113,10 @@ def _convergence_faults(convergence: Convergence) -> Iterator[str]:
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     if d.co_simulation is None:
         yield f"component {component.name}: FMU {component.path} offers no co-simulation"
-    for name in component.start_values:
-        if name not in d.variables:
-            hint = nearest(name, d.variables)
-            yield f"component {component.name}: no variable {name!r} to give a start value; {hint}"
+    tolerance = component.tolerance
+    if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
+        yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
+    yield from start_value_faults(component.name, component.start_values, d)
 
 
 def _sensitivity_faults(

@@ -63,7 +63,7 @@ def library(fmi: int, *defined: str) -> Path:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     made = folder / "hostile.so"
     options = [*OPTIONS, f"-DFMI={fmi}", *(f"-D{one}" for one in defined)]
-    subprocess.run([*options, str(SOURCE), "-o", str(made), "-lm", "-ldl"], check=True)
+    subprocess.run([*options, str(SOURCE), "-o", str(made), "-lm", "-ldl", "-lpthread"], check=True)
     return made
 
 

@@ -15,6 +15,7 @@
 #include <dlfcn.h>
 #include <limits.h>
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -152,6 +153,28 @@ static void log_much(Lag *lag, const char *action, long n) {
     }
 }
 
+static void *log_from_here(void *lag) {
+    SAY((Lag *)lag, WARNING, "from another thread");
+    return NULL;
+}
+
+/* printf formats for which there are no arguments, and a message from another thread. */
+static void log_wrong(Lag *lag, const char *action) {
+    pthread_t other;
+    if (!lag || !lag->log) return;
+#if FMI == 2
+    if (!strcmp(action, "log_missing")) SAY(lag, WARNING, "%s %s %s %s %s %s %s %s %s %s");
+    if (!strcmp(action, "log_write")) SAY(lag, WARNING, "%n%n%n%n%n%n%n%n");
+    if (!strcmp(action, "log_pointer")) SAY(lag, WARNING, "%d: %s", 1, (char *)0x12345);
+    if (!strcmp(action, "log_null_text")) SAY(lag, WARNING, "valve %s at %f", (char *)0, 1.5);
+#else
+    if (!strcmp(action, "log_missing")) ((Logger)lag->log)(lag->environment, 1, "c", "%s %s %s");
+    if (!strcmp(action, "log_write")) ((Logger)lag->log)(lag->environment, 1, "c", "%n%n%n");
+#endif
+    if (!strcmp(action, "log_thread") && !pthread_create(&other, NULL, log_from_here, lag))
+        pthread_join(other, NULL);
+}
+
 /* Do what is wrong without returning, or log; else the action is left to the caller. */
 static const Fault *due(const char *phase, Lag *lag) {
     const Fault *found = NULL;
@@ -178,7 +201,7 @@ static const Fault *due(const char *phase, Lag *lag) {
         else if (!strcmp(a, "print")) printf("the FMU prints\n"), fflush(stdout);
         else if (!strcmp(a, "child")) { if (!fork()) for (;;) pause(); }
         else if (!strcmp(a, "litter")) { FILE *t = fopen("litter.txt", "w"); if (t) fclose(t); }
-        else if (!strncmp(a, "log", 3)) log_much(lag, a, f->argument);
+        else if (!strncmp(a, "log", 3)) log_much(lag, a, f->argument), log_wrong(lag, a);
         else found = f;
     }
     return found;

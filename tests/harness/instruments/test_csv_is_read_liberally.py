@@ -57,7 +57,7 @@ def test_interpolation_and_both_sides_of_an_event(tmp_path: Path) -> None:
         ("time,x,x\n0,1,2\n", "has 2 columns called 'x'"),
         ("time,x\n0,1\n1,\n", "column 'x' has no number in row 2"),
         ("time,x\n0,one\n", "column 'x' holds something that is no number"),
-        ("time,x\n0,1\n2,1\n1,1\n", "time goes back from .*2.0.* s to .*1.0.* s in row 3"),
+        ("time,x\n0,1\n2,1\n1,1\n", "time goes back from 2 s to 1 s in row 3"),
         ("time,x\n0,1\n1\n", "cannot be read as CSV"),
     ],
 )

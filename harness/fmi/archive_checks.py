@@ -1,0 +1,107 @@
+"""Judges the members of an FMU archive by its directory, before anything is unpacked.
+
+Each fault is an `FmuError` of one sentence that names the archive and the member. What is judged
+here does not depend on the platform: an archive that could be unpacked here but would do harm, or
+lose a file, on another system is refused here too.
+"""
+
+from __future__ import annotations
+
+import stat
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path, PurePosixPath
+
+from harness.errors import FmuError
+from harness.fmi.wording import has_control_characters, quoted
+
+DESCRIPTION = "modelDescription.xml"
+MAX_DEPTH = 64
+
+_ENCRYPTED = 0x1
+_LOCAL_HEADER = 30
+_COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+_METHODS = {9: "deflate64", zipfile.ZIP_BZIP2: "bzip2", zipfile.ZIP_LZMA: "lzma", 93: "zstd"}
+_KINDS = {
+    stat.S_IFLNK: "a symbolic link",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFBLK: "a device file",
+    stat.S_IFCHR: "a device file",
+}
+
+
+def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
+    """Raise `FmuError` for the first member of the archive at `path` that may not be unpacked."""
+    seen: dict[str, str] = {}
+    for member in members:
+        fault = _name_fault(member) or _content_fault(member)
+        if fault:
+            raise FmuError(f"FMU {path} {fault}: {quoted(member.orig_filename)}")
+        name = member.filename.rstrip("/")
+        other = seen.setdefault(name.casefold(), name)
+        if other is not name and not member.is_dir():
+            words = "twice" if other == name else f"also as {quoted(other)}, told by case only"
+            raise FmuError(
+                f"FMU {path} has the member {quoted(name)} {words}; names must be unique"
+            )
+    _check_overlap(path, members)
+
+
+def check_root(
+    path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION
+) -> None:
+    """Raise `FmuError` for an archive without its description, saying where one is instead."""
+    for member in members:
+        place = PurePosixPath(member.filename)
+        if place.name.casefold() != root.casefold():
+            continue
+        if len(place.parts) == 1:
+            raise FmuError(f"FMU {path} has no {root} at its root but {place.name!r}")
+        raise FmuError(
+            f"FMU {path} has no {root} at its root but in the folder "
+            f"{quoted(str(place.parent))}; pack what is in that folder, not the folder"
+        )
+    raise FmuError(f"FMU {path} has no {root} at its root")
+
+
+def _name_fault(member: zipfile.ZipInfo) -> str:
+    name = member.orig_filename  # zipfile has cut `filename` at a NUL
+    parts = PurePosixPath(name).parts
+    if not name or has_control_characters(name):
+        return "has a member whose name has control characters or is empty"
+    if name.startswith("/") or ".." in name.replace("\\", "/").split("/"):
+        return "has a member that leaves its folder"
+    if ":" in name.replace("\\", "/").split("/")[0]:
+        return "has a member that leaves its folder"
+    if "\\" in name:
+        return "has a member with backslashes in its name, where the standard demands '/'"
+    if len(parts) > MAX_DEPTH:
+        return f"has a member more than {MAX_DEPTH} folders deep"
+    return ""
+
+
+def _content_fault(member: zipfile.ZipInfo) -> str:
+    kind = stat.S_IFMT(member.external_attr >> 16)
+    if kind in _KINDS:
+        return f"has {_KINDS[kind]} as a member"
+    if member.flag_bits & _ENCRYPTED:
+        return "has a member that is encrypted, which FMUs may not be"
+    if member.compress_type not in _COMPRESSIONS:
+        method = _METHODS.get(member.compress_type, f"method {member.compress_type}")
+        return f"has a member compressed by {method}, where the standard allows deflate only"
+    return ""
+
+
+def _check_overlap(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
+    """Members that share bytes are how a small archive holds a bomb of any size."""
+    end, last = 0, ""
+    for member in sorted(members, key=lambda one: one.header_offset):
+        if member.header_offset < 0:
+            raise FmuError(f"FMU {path} cannot be unpacked: its directory points outside of it")
+        if member.header_offset < end:
+            raise FmuError(
+                f"FMU {path} has members that overlap: {quoted(last)} and {quoted(member.filename)}"
+            )
+        end = member.header_offset + _LOCAL_HEADER + member.compress_size
+        last = member.filename

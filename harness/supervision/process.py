@@ -1,0 +1,173 @@
+"""A worker process: started, watched for its end, ended with all that it started.
+
+The worker is forked, so that closures, blocks and loaded machine code go over as they are and it
+is there within milliseconds. It has a process group, a temporary folder and no standard input of
+its own, leaves no core dump, and dies with its supervisor. A janitor, a shell that waits for the
+supervisor's end, removes the folder where the supervisor was killed.
+
+Only Linux is served: elsewhere forking is unsafe or unknown, and runs stay in their process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import faulthandler
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+_JANITOR = 'read -r _; kill -9 -- "-$1"; rm -rf -- "$2"'
+_PR_SET_PDEATHSIG = 1
+_DYING_SECONDS = 1.0
+
+_inside = False
+
+
+def available() -> bool:
+    """Whether a worker can be started here: on Linux, and not inside a worker."""
+    return sys.platform == "linux" and not _inside
+
+
+def already_isolated() -> None:
+    """This process is a worker of its own kind, as those of a study: its runs stay in it."""
+    global _inside
+    _inside = True
+
+
+class WorkerProcess:
+    """A forked worker that runs `work(connection)`; `connection` is the supervisor's end."""
+
+    def __init__(self, work: Callable[[Connection], None]) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-run-"))
+        self.connection, other = Pipe()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        supervisor = os.getpid()
+        with _compiler_at_rest():
+            self.pid = os.fork()
+        if self.pid == 0:
+            _live(work, other, self.connection, self.folder, supervisor)
+        other.close()
+        with contextlib.suppress(OSError):  # the worker does the same; whoever comes first
+            os.setpgid(self.pid, self.pid)
+        self._janitor = _janitor(self.pid, self.folder)
+
+    def tell(self, message: Any) -> None:
+        """Send a message, which is lost where the worker is gone."""
+        with contextlib.suppress(OSError):
+            self.connection.send(message)
+
+    def memory(self) -> int:
+        """Bytes of memory that the worker holds; 0 where it is gone."""
+        try:
+            held = Path(f"/proc/{self.pid}/statm").read_text().split()[1]
+        except (OSError, IndexError):
+            return 0
+        return int(held) * os.sysconf("SC_PAGE_SIZE")
+
+    def has_ended(self) -> bool:
+        """Whether the worker has died; it stays to be waited for."""
+        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
+        try:
+            return os.waitid(os.P_PID, self.pid, options) is not None
+        except ChildProcessError:
+            return True
+
+    def end(self, *, at_once: bool) -> int | None:
+        """End the worker and all that it started; its exit code, or minus the signal that ended
+        it, or None where that is not known. Not `at_once`: it may take a moment to end itself."""
+        if not at_once:
+            self._wait(_DYING_SECONDS)
+        self._release_janitor()
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, signal.SIGKILL)
+        try:
+            code: int | None = os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+        except ChildProcessError:  # somebody else has waited for it
+            code = None
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self.pid, signal.SIGKILL)  # what it started while it was dying
+        shutil.rmtree(self.folder, ignore_errors=True)
+        return code
+
+    def _wait(self, seconds: float) -> None:
+        """Until the worker has ended, but no longer; it stays to be waited for."""
+        until = time.monotonic() + seconds
+        while not self.has_ended() and time.monotonic() < until:
+            time.sleep(0.002)
+
+    def _release_janitor(self) -> None:
+        if self._janitor is not None:
+            self._janitor.kill()
+            self._janitor.communicate()
+
+
+@contextlib.contextmanager
+def _compiler_at_rest() -> Iterator[None]:
+    """While open, no other thread compiles: what it held would stay locked in the worker."""
+    if "numba" in sys.modules:
+        from numba.core.compiler_lock import global_compiler_lock
+
+        with global_compiler_lock:
+            yield
+    else:
+        yield
+
+
+def _janitor(pid: int, folder: Path) -> subprocess.Popen[bytes] | None:
+    command = ["/bin/sh", "-c", _JANITOR, "fmu-harness-janitor", str(pid), str(folder)]
+    quiet = subprocess.DEVNULL
+    try:
+        return subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, cwd="/",
+            start_new_session=True,
+        )  # fmt: skip
+    except OSError:  # no shell: only a killed supervisor leaves its folder behind
+        return None
+
+
+def _live(
+    work: Callable[[Connection], None],
+    connection: Connection,
+    other: Connection,
+    folder: Path,
+    supervisor: int,
+) -> None:
+    """The worker's whole life; never returns into the stack that it has a copy of."""
+    try:
+        other.close()
+        _settle(folder, supervisor)
+        work(connection)
+    finally:
+        os._exit(0)
+
+
+def _settle(folder: Path, supervisor: int) -> None:
+    already_isolated()
+    with contextlib.suppress(OSError):
+        os.setpgid(0, 0)
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    if os.getppid() != supervisor:
+        os._exit(0)
+    faulthandler.disable()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    null = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(null, 0)
+    os.close(null)
+    tempfile.tempdir = os.environ["TMPDIR"] = str(folder)
+    with contextlib.suppress(OSError):  # where memory ends, the worker goes before its supervisor
+        Path("/proc/self/oom_score_adj").write_text("1000")

@@ -1,0 +1,69 @@
+"""Short runs one after another: memory, descriptors and temporary files stay as they are."""
+
+import gc
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from harness.bench import Bench
+from tests.hostile.build import hostile_fmu, library
+
+
+def held() -> int:
+    """Bytes of memory that this process holds."""
+    gc.collect()
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def descriptors() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+def repeat(folder: Path, behaviour: str, in_process: bool) -> Callable[[], None]:
+    path = hostile_fmu(folder, behaviour)
+
+    def one() -> None:
+        bench = Bench(stop_time=0.05)
+        bench.fmu("plant", path)
+        bench.signal("reference", "step", time=0.02, final=1.0)
+        bench.connect("reference.value", "plant.u")
+        result = bench.run(in_process=in_process)
+        assert len(result.time) == 6
+
+    return one
+
+
+def stay_flat(one: Callable[[], None], warm: int, count: int, growth: int) -> None:
+    for _ in range(warm):
+        one()
+    memory, open_files = held(), descriptors()
+    for _ in range(count):
+        one()
+    assert descriptors() == open_files
+    assert held() - memory < growth, f"{held() - memory} bytes more after {count} runs"
+
+
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    library(3)  # has a temporary folder of its own
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize(("in_process", "count"), [(True, 200), (False, 40)])
+def test_some_runs(tmp_path: Path, temporary: Path, in_process: bool, count: int) -> None:
+    stay_flat(repeat(tmp_path, "DoStep log_many 0 10", in_process), 20, count, 2_000_000)
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("in_process", "count"), [(True, 10_000), (False, 500)])
+def test_very_many_runs(tmp_path: Path, temporary: Path, in_process: bool, count: int) -> None:
+    """Less than a hundred bytes a run: what is lost, if anything, is no object of a run."""
+    stay_flat(repeat(tmp_path, "DoStep log 2", in_process), 200, count, 1_000_000)
+    assert list(temporary.iterdir()) == []
