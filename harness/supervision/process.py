@@ -76,6 +76,14 @@ class WorkerProcess:
             return 0
         return int(held) * os.sysconf("SC_PAGE_SIZE")
 
+    def gone(self) -> bool:
+        """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
+        try:
+            ended = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:  # somebody else has waited for it
+            return True
+        return ended is not None
+
     def end(self, *, at_once: bool) -> int | None:
         """End the worker and all that it started; its exit code, or minus the signal that ended
         it, or None where that is not known. Not `at_once`: it may take a moment to end itself."""
@@ -96,10 +104,8 @@ class WorkerProcess:
     def _wait(self, seconds: float) -> None:
         """Until the worker has ended, but no longer; it stays to be waited for."""
         until = time.monotonic() + seconds
-        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
-        with contextlib.suppress(ChildProcessError):
-            while os.waitid(os.P_PID, self.pid, options) is None and time.monotonic() < until:
-                time.sleep(0.002)
+        while not self.gone() and time.monotonic() < until:
+            time.sleep(0.002)
 
     def _release_janitor(self) -> None:
         if self._janitor is not None:

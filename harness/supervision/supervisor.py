@@ -117,6 +117,8 @@ class _Watch:
                 except (EOFError, OSError):
                     return False
                 self.take(worker, message)
+            elif worker.gone() and not worker.connection.poll(0):
+                return False
             now = time.monotonic()
             if now - looked >= _LOOK_SECONDS:
                 looked = now
