@@ -77,7 +77,7 @@ def test_a_run_has_a_limit(tmp_path: Path) -> None:
 
 def test_what_the_fmu_said_last_is_told(tmp_path: Path) -> None:
     made = bench(tmp_path, "DoStep log 3", "DoStep abort 4")
-    with pytest.raises(SimulationError, match="last messages: .*plant: the valve sticks$"):
+    with pytest.raises(SimulationError, match=r"last messages: .*plant: the valve sticks$"):
         made.run()
 
 
