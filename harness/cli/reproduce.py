@@ -12,6 +12,7 @@ from harness import registry
 from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
+from harness.errors import UsageError
 
 
 def reproduce_command(
@@ -24,6 +25,7 @@ def reproduce_command(
     jobs: Annotated[int, typer.Option(help="Processes; 0: one a core")] = 0,
 ) -> None:
     """Run all experiments of papers and judge their claims."""
+    from harness.experiment.parallel import Workers
     from harness.experiment.reproduce import load_paper, reproduce, update_readme, write_page
 
     out = console()
@@ -31,12 +33,14 @@ def reproduce_command(
     names = papers or sorted({name.partition("/")[0] for name in known})
     loaded = [load_paper(name, known) for name in names]
     root = output or registry.run_folder("reproduce")
-    with notices():
+    if update and fast:
+        raise UsageError("the fast subset decides nothing, so --update does not go with --fast")
+    with notices(), Workers(jobs, isolated=True) as workers:
         for paper in loaded:
             with bar() as progress:
                 task = progress.add_task(paper.name, total=1.0)
                 done = reproduce(
-                    paper, root / paper.name, fast=fast, jobs=jobs,
+                    paper, root / paper.name, fast=fast, workers=workers,
                     report=lambda what, share, t=task, p=progress: p.update(  # type: ignore[misc]
                         t, description=what, completed=share
                     ),
@@ -51,7 +55,7 @@ def reproduce_command(
                 table.add_row(*(cell.replace("[", r"\[") for cell in cells))
             out.print(table)
             written = [write_page(done, root / paper.name)]
-            if update and not fast:
+            if update:
                 written.append(update_readme(done))
             for path in written:
                 out.print(f"written: {path}", markup=False, soft_wrap=True)

@@ -138,11 +138,13 @@ def _run(
 
 
 def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
+    from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
 
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("study", total=1.0))
-        found = run_study(loaded, jobs=jobs, progress=moved)
+        with Workers(jobs, isolated=True) as workers:
+            found = run_study(loaded, workers=workers, progress=moved)
     for table in study_tables(loaded, found):
         console().print(table)
     yield found.write(folder)
@@ -151,11 +153,13 @@ def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
 def _sweep(
     loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int
 ) -> Iterator[Path]:
+    from harness.experiment.parallel import Workers
     from harness.experiment.sweep import run_sweep, write_sweep
 
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
-        regions = run_sweep(loaded, variants, jobs=jobs, progress=moved)
+        with Workers(jobs, isolated=True) as workers:
+            regions = run_sweep(loaded, variants, workers=workers, progress=moved)
     for name, region in regions.items():
         label = loaded.label(name)
         console().print(f"{label}: {100 * region.share:.1f} % of the points inside", markup=False)

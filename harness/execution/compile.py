@@ -1,9 +1,10 @@
 """From a block's step function to the address of a C function.
 
 A step function is plain Python. Here it and every plain Python function that it names are rebuilt
-as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, double *y)`, with
-the array lengths fixed. The machine code is cached on disk under a fingerprint of all that code,
-so a change in a helper of another module is noticed, which numba's own cache does not.
+as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, double *y, const
+int64 *sizes)`; one code serves blocks of all sizes. The machine code is cached on disk under a
+fingerprint of all that code, so a change in a helper of another module is noticed, which numba's
+own cache does not.
 
 Every rebuilt function bears the fingerprint of its step in its name. Code from the cache shares
 one space of symbols with all other code of the process, and of two equal symbols the first wins:
@@ -14,6 +15,7 @@ It refuses step functions that raise: a block reports that it cannot go on by wr
 
 from __future__ import annotations
 
+import ctypes
 import dis
 import hashlib
 from collections.abc import Callable, Iterator
@@ -25,78 +27,87 @@ from typing import Any
 import numpy as np
 from numba import carray, cfunc, njit, types
 from numba.core.errors import NumbaError
+from numpy.typing import NDArray
 
 from harness.errors import HarnessError
-from harness.system.block import Block, StepFunction
+from harness.execution import operations as op
+from harness.system.block import Array, Block, StepFunction
 
 _POINTER = types.CPointer(types.float64)
-_SIGNATURE = types.int32(_POINTER, _POINTER, _POINTER, _POINTER)
+_SIGNATURE = types.int32(*[_POINTER] * 4, types.CPointer(types.int64))
 _SCALARS = (bool, int, float, np.integer, np.floating)
 _MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
+
+_C_POINTER, _C_SIZES = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int64)
 
 
 class CompileError(HarnessError):
     """A step function that cannot be compiled."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CompiledStep:
-    """A compiled step function: its C address, and the object that keeps the code alive."""
+    """A compiled step function for one block: the `address` of its C function, the `sizes` that
+    it takes, (4,) for p, x, u, y; and the object that keeps the code alive."""
 
     address: int
+    sizes: NDArray[np.int64]
     keep: Any
 
+    def operation(self, p: int, x: int, u: int, y: int) -> list[int]:
+        """The row of a program that calls it on the arrays at these addresses."""
+        return [op.CALL_5, self.address, p, x, u, y, self.sizes.ctypes.data]
 
-def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _compile
-    arrays = carray(p, (N_P,)), carray(x, (N_X,)), carray(u, (N_U,)), carray(y, (N_Y,))  # type: ignore[name-defined]  # noqa: F821
+    def __call__(self, p: Array, x: Array, u: Array, y: Array) -> None:
+        """Call it as the step function that it was; arrays as long as those of the block."""
+        self.keep.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
+                         self.sizes.ctypes.data_as(_C_SIZES))  # fmt: skip
+
+
+def _entry(p: Any, x: Any, u: Any, y: Any, sizes: Any) -> Any:  # `step` is bound by _compile
+    n = carray(sizes, (4,))
+    arrays = carray(p, (n[0],)), carray(x, (n[1],)), carray(u, (n[2],)), carray(y, (n[3],))
     step(*arrays)  # type: ignore[name-defined]  # noqa: F821
     return np.int32(0)
 
 
 def compile_step(block: Block) -> CompiledStep:
-    """Compile `block.step` for the array lengths of `block`, or fetch it from the cache.
+    """Compile `block.step`, or fetch it from the cache.
 
     Raises `CompileError` naming the function and the reason.
     """
+    lengths = map(len, (block.parameters, block.state, block.inputs, block.outputs))
     name = f"step_{step_fingerprint(block)[:24]}"
     if name not in _compiled:
-        _compiled[name] = _compile(_plain(block.step), _sizes(block), name)
-    return _compiled[name]
+        _compiled[name] = _compile(_plain(block.step), name)
+    code = _compiled[name]
+    return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
 
 
 def step_fingerprint(block: Block) -> str:
-    """The hash of all code that `block.step` runs and of its array lengths (hexadecimal).
+    """The hash of all code that `block.step` runs (hexadecimal).
 
     Raises `CompileError` where the step cannot be compiled.
     """
-    digest = hashlib.sha256(repr(_sizes(block)).encode())
+    digest = hashlib.sha256()
     _fingerprint(_plain(block.step), (), {}, digest)
     return digest.hexdigest()
 
 
-def _sizes(block: Block) -> tuple[int, ...]:
-    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
+_compiled: dict[str, Any] = {}
 
 
-_compiled: dict[str, CompiledStep] = {}
-
-
-def _compile(function: FunctionType, sizes: tuple[int, ...], name: str) -> CompiledStep:
-    scope = {
-        **globals(),
-        "step": _rebuild(function, name, {}),
-        **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes, strict=True)),
-    }
+def _compile(function: FunctionType, name: str) -> Any:
+    scope = {**globals(), "step": _rebuild(function, name, {})}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
-        compiled = cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
+        return cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
     except NumbaError as fault:
         raise CompileError(
             f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
             "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
-    return CompiledStep(compiled.address, compiled)
 
 
 def _plain(function: Any) -> FunctionType:

@@ -16,8 +16,9 @@ CALL_4 = 2
 CALL_5 = 3
 CALL_7 = 4
 CALL_9 = 5
-"""address, then as many int64 arguments: int32 status = (*address)(…). Blocks take 4 (p, x, u, y),
-get and set functions 4 in FMI 2 and 5 in FMI 3, directional derivatives 7 and 9."""
+"""address, then as many int64 arguments: int32 status = (*address)(…). Blocks take 5 (p, x, u, y,
+sizes) and plain Python ones 4, get and set functions 4 in FMI 2 and 5 in FMI 3, directional
+derivatives 7 and 9."""
 STEP_FMI2 = 6
 """address, instance, step in ns"""
 STEP_FMI3 = 7

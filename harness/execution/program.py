@@ -191,7 +191,7 @@ class _Linker:
             p, x = component.block.parameters.copy(), component.block.state.copy()
             self.program.states[name] = x
             self.program.keep += [compiled, p]
-            yield [op.CALL_4, compiled.address, p.ctypes.data, x.ctypes.data, u, y]
+            yield compiled.operation(p.ctypes.data, x.ctypes.data, u, y)
         yield [op.CHECK, first_y, last_y]
 
     def _pointer(self, name: str, variables: Sequence[str]) -> int:

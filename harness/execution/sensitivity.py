@@ -141,5 +141,5 @@ class Linearisation:
                 yield [op.CALL_9, *head, 1, column, m]
             else:
                 yield [op.CALL_7, *head, column]
-        arrays = (self.parameters, self.work, self.jacobian)
-        yield [op.CALL_4, self.compiled.address, *(a.ctypes.data for a in arrays), target]
+        p, x, u = (a.ctypes.data for a in (self.parameters, self.work, self.jacobian))
+        yield self.compiled.operation(p, x, u, target)

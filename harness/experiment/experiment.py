@@ -59,6 +59,17 @@ class Experiment:
         experiment._check_names()
         return experiment
 
+    def fast(self) -> Self:
+        """The fast subset: fewer seeds and a coarser grid, as `[study.fast]` and `[sweep.fast]`
+        say. Enough to see that all of it works, not to decide anything."""
+        study, sweep = self.spec.study, self.spec.sweep
+        settings: Table = {}
+        if study is not None and study.fast is not None:
+            settings["study"] = {"seeds": study.fast.seeds}
+        if sweep is not None and sweep.fast is not None:
+            settings["sweep"] = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
+        return self.from_data(_merge(self.data, settings), self.path) if settings else self
+
     @property
     def name(self) -> str:
         """Folder and stem of the file, as in "ahn2009/figure_7"."""

@@ -27,6 +27,11 @@ _TABLES: dict[str, type[BaseModel]] = {
     "checkpoint": schema.CheckpointSpec,
 }
 
+_FAST: dict[type[BaseModel], type[BaseModel]] = {
+    schema.StudySpec: schema.FastStudySpec,
+    schema.SweepSpec: schema.FastSweepSpec,
+}
+
 
 def describe(where: str, fault: ValidationError) -> Iterator[str]:
     """One sentence for each fault that pydantic found in the file at `where`."""
@@ -59,5 +64,7 @@ def _reason(error: Any) -> str:
 def _legal_keys(location: tuple[Any, ...]) -> list[str]:
     model: type[BaseModel] = schema.ExperimentSpec
     for part in location[:-1]:
+        if part == "fast":
+            model = _FAST.get(model, model)
         model = _TABLES.get(str(part), model)
     return [field.alias or name for name, field in model.model_fields.items()]

@@ -1,51 +1,122 @@
-"""Independent tasks over processes, results as they come."""
+"""Independent tasks over processes, results as they come.
+
+The matrices here are small, so threads of a linear algebra library only wait for each other:
+a process gets one, unless the environment says otherwise.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from functools import partial
+from contextlib import contextmanager
 from multiprocessing import get_context
-from typing import TypeVar
+from typing import Self, TypeVar
 
-from harness.experiment.persistence import DeadProcessError, until_all_are_done
+from harness.errors import SimulationError
+from harness.supervision.process import already_isolated
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
 
-
-def spread(
-    function: Callable[[Task], Outcome], tasks: Sequence[Task], jobs: int = 0
-) -> Iterator[tuple[Task, Outcome]]:
-    """Pairs (task, function(task)) in the order in which they are done, from `jobs` processes
-    (0: one a core). The function and the tasks must be picklable. What a process was at when it
-    died is done again in another one, a few times.
-
-    Raises `DeadProcessError` when that does not help. Tasks not yet begun are dropped when the
-    caller stops asking.
-    """
-    workers = min(jobs or os.cpu_count() or 1, len(tasks))
-    if workers <= 1:
-        for task in tasks:
-            yield task, function(task)
-        return
-    yield from until_all_are_done(partial(_one_round, function, workers), tasks)
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""Read by the libraries when they are loaded, so they must be set before a process starts."""
 
 
-def _one_round(
-    function: Callable[[Task], Outcome], workers: int, tasks: Sequence[Task]
-) -> Iterator[tuple[Task, Outcome]]:
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+class Workers:
+    """`count` processes (0 asked for: one a core), started when first needed and then kept, for
+    what they have loaded and compiled. A context manager; one worker works here, unless all is
+    to be `isolated` from this process."""
+
+    def __init__(self, jobs: int = 0, *, isolated: bool = False) -> None:
+        """Starts nothing."""
+        self.count = jobs or os.cpu_count() or 1
+        self._here = self.count <= 1 and not isolated
+        self._pool: ProcessPoolExecutor | None = None
+
+    def spread(
+        self,
+        function: Callable[[Task], Outcome],
+        tasks: Sequence[Task],
+        *,
+        careful: Callable[[Task], Outcome] | None = None,
+    ) -> Iterator[tuple[Task, Outcome]]:
+        """Pairs (task, function(task)) in the order in which they are done. The function and the
+        tasks must be picklable. The first task is done before the others begin, so that what it
+        builds and compiles is there for all.
+
+        When a process dies, as a crashing FMU makes it, the tasks that may have been at it are
+        done here by `careful`, which must withstand it; the others go on in new processes. Without
+        it `SimulationError` is raised. Tasks not yet begun are dropped when the caller stops
+        asking.
+        """
+        if self._here:
+            for task in tasks:
+                yield task, function(task)
+            return
+        for some in (tasks[:1], tasks[1:]):
+            left = list(some)
+            while left:
+                suspects: list[Task] = []
+                for task, outcome in self._until_broken(function, left, suspects):
+                    left.remove(task)
+                    yield task, outcome
+                if suspects and careful is None:
+                    raise SimulationError(
+                        "a process of the study died; which task ended it is not known"
+                    )
+                for task in suspects:
+                    assert careful is not None
+                    left.remove(task)
+                    yield task, careful(task)
+
+    def _until_broken(
+        self, function: Callable[[Task], Outcome], tasks: Sequence[Task], suspects: list[Task]
+    ) -> Iterator[tuple[Task, Outcome]]:
+        """What is done before a process dies; then `suspects` are the tasks that had begun."""
+        futures = self._submit(function, tasks)
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BrokenProcessPool:
+            self.close()
+            lost = [t for f, t in futures.items() if isinstance(f.exception(), BrokenProcessPool)]
+            suspects += lost[: 2 * self.count + 1]  # at most so many are with the processes
+        finally:
+            for future in futures:
+                future.cancel()
+
+    def _submit(
+        self, function: Callable[[Task], Outcome], tasks: Sequence[Task]
+    ) -> dict[Future[Outcome], Task]:
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                self.count, mp_context=get_context("spawn"), initializer=already_isolated
+            )
+        with _defaults(dict.fromkeys(ONE_THREAD, "1")):  # processes start at a submission
+            return {self._pool.submit(function, task): task for task in tasks}
+
+    def close(self) -> None:
+        """End the processes, each after the task that it is at."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+@contextmanager
+def _defaults(variables: dict[str, str]) -> Iterator[None]:
+    """While open, the environment has these variables where it did not have them before."""
+    new = {name: value for name, value in variables.items() if name not in os.environ}
+    os.environ.update(new)
     try:
-        futures = {pool.submit(function, task): task for task in tasks}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    except BrokenProcessPool as fault:
-        raise DeadProcessError(
-            "a process of the study died; run the experiment without --study or --sweep to see "
-            "which component ends it"
-        ) from fault
+        yield
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        for name in new:
+            del os.environ[name]

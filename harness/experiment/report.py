@@ -82,8 +82,9 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
         m = spec.measure
         drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
     elif not spec.plots:
-        for name, result in labelled.items():
-            drawn[name] = signals_plot(result, result.names, title=f"{title}: {name}")
+        for name, result in results.items():  # a label would make a poor file name
+            text = f"{title}\n{experiment.label(name)}"
+            drawn[name] = signals_plot(result, result.names, title=text)
     for name, plot in spec.plots.items():
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results

@@ -6,11 +6,11 @@ import html
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from harness.errors import ExperimentError, HarnessError, RecordingError, UsageError, nearest
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
+from harness.experiment.parallel import Workers
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
@@ -19,8 +19,6 @@ from harness.results.result import Result
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES = "verdicts", "studies"
 """Names of the parts of a paper's README that are filled from runs, between markers."""
-
-FAST_SEEDS, FAST_POINTS = 5, 9
 
 Report = Callable[[str, float], None]
 """Called with the name of what is being run and the share of it that is done."""
@@ -60,43 +58,44 @@ def load_paper(name: str, experiments: Mapping[str, Path]) -> Paper:
 
 
 def reproduce(
-    paper: Paper, output: Path, *, fast: bool = False, jobs: int = 0, report: Report | None = None
+    paper: Paper,
+    output: Path,
+    *,
+    fast: bool = False,
+    workers: Workers | None = None,
+    report: Report | None = None,
 ) -> Reproduction:
     """Run every experiment of `paper` and judge its claims; pictures and rows go to `output`.
+    Studies and sweeps are spread over `workers` (None: done here).
 
-    `fast` takes few seeds and coarse grids: enough to see that all of it works, not to decide.
+    `fast` takes the subset that the experiments declare: enough to see that all of it works, not
+    to decide.
     """
+    _check_claims(paper)
     evidence: dict[str, Evidence] = {}
     pictures: dict[str, tuple[Path, ...]] = {}
+    workers = workers or Workers(1)
     for name, path in paper.experiments.items():
-        experiment = _loaded(path, fast)
-        evidence[name], pictures[name] = _run(experiment, output / name, jobs, report)
+        experiment = Experiment.load(path)
+        experiment = experiment.fast() if fast else experiment
+        evidence[name], pictures[name] = _run(experiment, output / name, workers, report)
 
-    def find(name: str) -> Evidence:
-        if name not in evidence:
-            raise UsageError(f"claims of {paper.name}: no experiment {name!r}; "
-                             f"{nearest(name, evidence)}")  # fmt: skip
-        return evidence[name]
-
-    verdicts = tuple(judge(claim, find) for claim in paper.claims.claims)
+    verdicts = tuple(judge(claim, evidence.__getitem__) for claim in paper.claims.claims)
     return Reproduction(paper, verdicts, evidence, pictures, fast)
 
 
-def _loaded(path: Path, fast: bool) -> Experiment:
-    experiment = Experiment.load(path)
-    settings: dict[str, Any] = {}
-    if fast and experiment.spec.study is not None:
-        settings["study"] = {"seeds": min(FAST_SEEDS, experiment.spec.study.seeds)}
-    if fast and experiment.spec.sweep is not None:
-        settings["sweep"] = {
-            axis: {"count": min(FAST_POINTS, getattr(experiment.spec.sweep, axis).count)}
-            for axis in ("x", "y")
-        }
-    return Experiment.load(path, settings) if settings else experiment
+def _check_claims(paper: Paper) -> None:
+    for claim in paper.claims.claims:
+        for test in (claim.test, claim.given):
+            if test is not None and test.experiment not in paper.experiments:
+                raise UsageError(
+                    f"claim {claim.id} of {paper.name}: no experiment {test.experiment!r}; "
+                    f"{nearest(test.experiment, paper.experiments)}"
+                )
 
 
 def _run(
-    experiment: Experiment, folder: Path, jobs: int, report: Report | None
+    experiment: Experiment, folder: Path, workers: Workers, report: Report | None
 ) -> tuple[Evidence, tuple[Path, ...]]:
     def progress(what: str) -> Callable[[float], None]:
         return lambda share: None if report is None else report(f"{experiment.name}{what}", share)
@@ -113,10 +112,10 @@ def _run(
     written = write_report(experiment, results, folder)
     study, regions = None, {}
     if experiment.spec.study is not None:
-        study = run_study(experiment, jobs=jobs, progress=progress(": study"))
+        study = run_study(experiment, workers=workers, progress=progress(": study"))
         study.write(folder)
     if experiment.spec.sweep is not None:
-        regions = run_sweep(experiment, jobs=jobs, progress=progress(": sweep"))
+        regions = run_sweep(experiment, workers=workers, progress=progress(": sweep"))
         written += write_sweep(experiment, regions, folder)
     metrics = {variant: dict(result.metrics) for variant, result in results.items()}
     pictures = tuple(path for path in written if path.suffix == ".png")
@@ -231,7 +230,10 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
         for picture in pictures:
             source = html.escape(picture.relative_to(output).as_posix())
             figures.append(f'<p><img src="{source}" alt="{source}"></p>')
-    note = '<p class="note">Fast run: few seeds, coarse grids; it decides nothing.</p>'
+    note = (
+        '<p class="note">Fast subset: few seeds, coarse grids. It shows that all of it works and '
+        "decides nothing; its verdicts are not those of the paper.</p>"
+    )
     path = output / "index.html"
     page = _PAGE.format(
         title=html.escape(reproduction.paper.claims.paper),

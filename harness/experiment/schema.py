@@ -155,16 +155,25 @@ class AxisSpec(Strict):
         return tuple(self.first + i * step for i in range(self.count))
 
 
+class FastSweepSpec(Strict):
+    """The coarser grid of the fast subset: the counts of both axes."""
+
+    x: int = Field(ge=2)
+    y: int = Field(ge=2)
+
+
 class SweepSpec(Strict):
     """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
     is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
-    own, the same for all variants; else one realisation decides the whole picture."""
+    own, the same for all variants; else one realisation decides the whole picture. `fast` is the
+    grid of the fast subset; without it that has the whole grid."""
 
     outcome: str
     below: float
     own_seeds: bool = False
     x: AxisSpec
     y: AxisSpec
+    fast: FastSweepSpec | None = None
 
 
 class PlotSpec(Strict):
@@ -177,14 +186,22 @@ class PlotSpec(Strict):
     variants: tuple[str, ...] = ()
 
 
+class FastStudySpec(Strict):
+    """How many seeds the fast subset has."""
+
+    seeds: int = Field(ge=2)
+
+
 class StudySpec(Strict):
     """Repetition over seeds: `seeds` runs from the experiment's seed on; differences of
-    `metrics` are taken against the variant `baseline`."""
+    `metrics` are taken against the variant `baseline`. `fast` says how many seeds the fast subset
+    has; without it that has all."""
 
     seeds: int = Field(ge=2)
     baseline: str
     metrics: tuple[str, ...] = ("steady_state_rms", "iae", "actuator_travel")
     confidence: float = Field(default=0.95, gt=0.0, lt=1.0)
+    fast: FastStudySpec | None = None
 
 
 class LimitsSpec(Strict):

@@ -7,7 +7,8 @@ left out is reported, and so is the share of runs in which a variant loses the l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,14 +18,15 @@ import pandas as pd
 from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError, RecordingError
-from harness.experiment.experiment import Experiment
-from harness.experiment.parallel import spread
+from harness.experiment.experiment import Experiment, PreparedVariant
+from harness.experiment.parallel import Workers
 from harness.results.comparison import PairedDifference, Share, paired_difference, share
 
 Metrics = Mapping[str, float | None]
-Task = tuple[str, int]
-"""A variant and a seed."""
+Task = tuple[str, tuple[int, ...]]
+"""A variant and some of its seeds."""
 LOST = "lost_loop"
+_CHUNKS = 4  # tasks of a variant that a worker gets, so that progress moves and the load evens out
 
 
 @dataclass(frozen=True)
@@ -77,36 +79,65 @@ class Study:
 def run_study(
     experiment: Experiment,
     *,
-    jobs: int = 0,
+    workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Study:
-    """Run all variants over the seeds of `[study]`, in `jobs` processes (0: one a core)."""
+    """Run all variants over the seeds of `[study]`, spread over `workers` (None: done here)."""
     spec = experiment.spec.study
     if spec is None:
         raise ExperimentError(f"{experiment.path} has no table [study]")
+    workers = workers or Workers(1)
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
-    tasks = [(variant, seed) for seed in seeds for variant in experiment.variants]
     found: dict[tuple[str, int], Metrics] = {}
-    for done, (key, metrics) in enumerate(_run_all(experiment, tasks, jobs), 1):
-        found[key] = metrics
+    tasks = _tasks(experiment, seeds, workers.count)
+    for (variant, some), metrics in workers.spread(
+        partial(_run_seeds, experiment), tasks, careful=partial(_run_apart, experiment)
+    ):
+        found |= {(variant, seed): one for seed, one in zip(some, metrics, strict=True)}
         if progress is not None:
-            progress(done / len(tasks))
+            progress(len(found) / (len(seeds) * len(experiment.variants)))
     runs = {v: tuple(found[v, seed] for seed in seeds) for v in experiment.variants}
     return Study(experiment, seeds, runs)
 
 
-def _run_all(
-    experiment: Experiment, tasks: list[Task], jobs: int
-) -> Iterator[tuple[Task, Metrics]]:
-    first, *others = tasks
-    yield first, _run_one(experiment, first)  # builds and compiles once, for all
-    yield from spread(partial(_run_one, experiment), others, jobs)
+def _tasks(experiment: Experiment, seeds: tuple[int, ...], workers: int) -> list[Task]:
+    """Some seeds of one variant to a task, so that they share what is prepared; the first task is
+    a single run."""
+    stride = min(len(seeds), workers * _CHUNKS)
+    (variant, some), *others = [
+        (variant, seeds[first::stride])
+        for first in range(stride)
+        for variant in experiment.variants
+    ]
+    parts = (some[:1], some[1:])
+    return [*((variant, part) for part in parts if part), *others]
 
 
-def _run_one(experiment: Experiment, task: Task) -> Metrics:
-    variant, seed = task
+def _run_seeds(experiment: Experiment, task: Task) -> list[Metrics]:
+    variant, seeds = task
+    with experiment.prepare(variant) as prepared:
+        return [_metrics(prepared, seed) for seed in seeds]
+
+
+def _run_apart(experiment: Experiment, task: Task) -> list[Metrics]:
+    """Every run in a worker of its own: one that dies loses its own loop only."""
+    variant, seeds = task
+    return [_run_one(experiment, variant, seed) for seed in seeds]
+
+
+def _run_one(experiment: Experiment, variant: str, seed: int) -> Metrics:
     try:
         return dict(experiment.run(variant, seed=seed).metrics)
+    except HarnessError as fault:
+        if fault.result is None:
+            raise
+        warnings.warn(f"{experiment.label(variant)}, seed {seed}: {fault}", stacklevel=2)
+        return {LOST: 1.0}
+
+
+def _metrics(prepared: PreparedVariant, seed: int) -> Metrics:
+    try:
+        return dict(prepared.run(seed=seed).metrics)
     except HarnessError as fault:
         if fault.result is None:
             raise

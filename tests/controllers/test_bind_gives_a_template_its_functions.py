@@ -1,7 +1,5 @@
 """A bound step is a plain function of its own: it runs, compiles and is told apart from others."""
 
-import ctypes
-
 import numpy as np
 import pytest
 
@@ -51,10 +49,8 @@ def interpreted(step: object) -> float:
 
 def compiled(step: object) -> float:
     code = compile_step(block(step))
-    pointer = ctypes.POINTER(ctypes.c_double)
-    call = ctypes.CFUNCTYPE(ctypes.c_int32, *[pointer] * 4)(code.address)
     arrays = np.zeros(1), np.array([5.0]), np.array([0.5]), np.zeros(1)
-    assert call(*(a.ctypes.data_as(pointer) for a in arrays)) == 0
+    code(*arrays)
     return float(arrays[3][0])
 
 

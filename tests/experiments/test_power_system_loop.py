@@ -67,7 +67,7 @@ def test_the_printed_filter_does_not_see_the_saddle():
 def test_stable_shares_on_a_coarse_grid():
     """11 × 11 points of figure 3: the full state is the known start, and what the README says."""
     axes = {"x": {"count": 11}, "y": {"count": 11}}
-    regions = run_sweep(Experiment.load(FOLDER / "figure_3.toml", {"sweep": axes}), jobs=1)
+    regions = run_sweep(Experiment.load(FOLDER / "figure_3.toml", {"sweep": axes}))
     share = {name: region.share for name, region in regions.items()}
     assert share["aaccf_full"] == share["aaccf_start"] > share["loc_full"] == share["loc_start"]
     gained = regions["aaccf_full"].inside & ~regions["loc_full"].inside

@@ -3,14 +3,12 @@
 import os
 import random
 import signal
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from harness.experiment.experiment import Experiment
-from harness.experiment.parallel import spread
-from harness.experiment.persistence import DeadProcessError, until_all_are_done
+from harness.experiment.parallel import Workers
 from harness.experiment.study import run_study
 from tests.hostile.build import hostile_fmu
 from tests.hostile.tasks import slow_square, suicide
@@ -40,44 +38,27 @@ class Killer:
 
     def maybe(self, _: object = None) -> None:
         if self.random.random() < self.chance:
-            for victim in self.random.sample(pool(), 1):
+            for victim in self.random.sample(there := pool(), bool(there)):
                 os.kill(victim, signal.SIGKILL)
                 self.killed += 1
 
 
 def test_every_task_comes_once() -> None:
     killer, pairs = Killer(1, 0.1), []
-    for pair in spread(slow_square, list(range(60)), 2):
-        pairs.append(pair)
-        if len(pairs) < 59:
-            killer.maybe()
+    with Workers(2) as workers:
+        for pair in workers.spread(slow_square, list(range(60)), careful=slow_square):
+            pairs.append(pair)
+            if len(pairs) < 59:
+                killer.maybe()
     assert sorted(pairs) == [(n, n * n) for n in range(60)]
     assert killer.killed > 2
 
 
-def test_a_task_that_kills_its_process_is_given_up() -> None:
-    found: list[int] = []
-    with pytest.raises(DeadProcessError, match=r"of 6 tasks were not finished, although"):
-        for _, outcome in spread(suicide, list(range(6)), 2):
-            found.append(outcome)
-    assert 3 not in found
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_rounds_that_end_anywhere(seed: int) -> None:
-    chance = random.Random(seed)
-    done: list[object] = []
-
-    def one_round(tasks: Sequence[object]) -> Iterator[tuple[object, int]]:
-        for task in chance.sample(list(tasks), len(tasks)):
-            done.append(task)
-            yield task, 0
-            if chance.random() < 0.3:
-                raise DeadProcessError("died")
-
-    tasks = [object() for _ in range(12)]
-    came = [task for task, _ in until_all_are_done(one_round, tasks)]
-    assert sorted(map(id, came)) == sorted(map(id, tasks)) == sorted(map(id, done))
+def test_a_task_that_kills_its_process_is_done_with_care() -> None:
+    with Workers(2) as workers:
+        pairs = list(workers.spread(suicide, list(range(8)), careful=slow_square))
+    assert sorted(n for n, _ in pairs) == list(range(8))
+    assert dict(pairs)[3] == 9
 
 
 @pytest.mark.slow

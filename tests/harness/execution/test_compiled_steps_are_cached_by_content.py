@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from harness.execution.compile import compile_step
@@ -73,8 +74,17 @@ def test_any_change_in_another_module_gives_other_code(before: str, after: str) 
     assert address() != address(HELPERS.replace(before, after))
 
 
-def test_sizes_belong_to_the_code() -> None:
-    assert address(sizes=1) != address(sizes=2)
+def test_one_code_serves_all_sizes() -> None:
+    assert address(sizes=1) == address(sizes=2)
+    text = (
+        "def step(p, x, u, y):\n    y[0] = 0.0\n    for i in range(len(u)):\n        y[0] += u[i]\n"
+    )
+    step = module("steps", text).step
+    for n in (1, 2, 5):
+        y = np.zeros(1)
+        block = KernelBlock(tuple(Port(f"u{i}") for i in range(n)), (Port("y"),), step)
+        compile_step(block)(np.zeros(0), np.zeros(0), np.arange(1.0, n + 1.0), y)
+        assert y[0] == n * (n + 1) / 2
 
 
 def test_a_global_number_changed_in_a_notebook_is_noticed() -> None:

@@ -10,7 +10,6 @@ from numba import njit
 
 from harness.execution.compile import CompileError, compile_step
 from harness.system.block import Array, KernelBlock, Port
-from tests.harness.execution.reference_executor import call
 
 SETTINGS = {"gain": 2.0}
 
@@ -93,14 +92,14 @@ def test_helpers_compiled_by_numba_are_welcome_and_bits_agree() -> None:
     compiled = compile_step(block(uses_a_compiled_helper))
     arrays = [np.array([v]) for v in (2.0, 3.0, 0.7, 0.0)]
     expected = [a.copy() for a in arrays]
-    call(compiled.address, *(a.ctypes.data for a in arrays))
+    compiled(*arrays)
     uses_a_compiled_helper(*expected)
     assert [a[0] for a in arrays] == [a[0] for a in expected]
 
 
 def test_division_by_zero_gives_infinity_not_an_exception() -> None:
     arrays = [np.array([v]) for v in (2.0, 3.0, 0.0, 0.0)]
-    call(compile_step(block(inverts)).address, *(a.ctypes.data for a in arrays))
+    compile_step(block(inverts))(*arrays)
     assert arrays[3][0] == math.inf
 
 

@@ -61,6 +61,9 @@ components.controller.parameters.kp = 1.0
 seeds = 3
 baseline = "soft"
 metrics = ["iae"]
+
+[study.fast]
+seeds = 2
 """
 
 
@@ -74,3 +77,55 @@ def write(folder: Path, text: str = FILE) -> Path:
 def load(folder: Path, text: str = FILE, *changes: str) -> Experiment:
     """The experiment, changed as by `--set`."""
     return Experiment.load(write(folder, text), settings(changes))
+
+
+MACHINE = """
+title = "A generator under state feedback"
+stop_time = 0.5
+step = 0.01
+seed = 3
+
+[components.plant]
+fmu = "single_machine_infinite_bus"
+start_values = { angle_deviation = 0.1, speed = 0.5 }
+
+[components.controller]
+controller = "lq_regulator"
+parameters = { model = "controllers.machine_model:MachineParameters", Q = [1.0, 1.0], R = [1.0] }
+
+[connections]
+"controller.angle_deviation" = "plant.angle_deviation"
+"controller.speed" = { from = "plant.speed", imperfections = [{ kind = "noise", std = 0.1 }] }
+"plant.field_deviation" = "controller.u"
+
+[metrics.distance]
+kind = "final"
+signal = "plant.angle_deviation"
+norm_with = ["plant.speed"]
+
+[variants.light]
+
+[variants.heavy]
+components.controller.parameters.R = [100.0]
+
+[sweep]
+outcome = "distance"
+below = 1.0
+own_seeds = true
+
+[sweep.x]
+key = "components.plant.start_values.angle_deviation"
+from = -0.5
+to = 0.5
+count = 3
+
+[sweep.y]
+key = "components.plant.start_values.speed"
+from = -1.0
+to = 4.0
+count = 2
+
+[sweep.fast]
+x = 2
+y = 2
+"""

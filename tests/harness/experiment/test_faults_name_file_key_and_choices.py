@@ -30,6 +30,8 @@ CASES = [
     ('response = "lag.y"', 'response = "lag.x"', "'lag.x'.*lag.y"),
     ('baseline = "soft"', 'baseline = "sofd"', r"study\.baseline 'sofd': did you mean 'soft'"),
     ("seeds = 3", "seeds = 1", r"key study\.seeds: .*greater than or equal to 2, not 1"),
+    ("seeds = 2", "seeds = 1", r"key study\.fast\.seeds: .*greater than or equal to 2, not 1"),
+    ("seeds = 2", "seds = 2", r"key study\.fast\.seds: unknown key; did you mean 'seeds'"),
     ("[variants.hard]", "[variants.hard]\nlike = 'sofd'", r"variants\.hard\.like 'sofd'.*'soft'"),
     ("[variants.hard]", "[variants.hard]\nsteep = 1", "variants.hard.*steep: unknown key.*'step'"),
 ]  # fmt: skip

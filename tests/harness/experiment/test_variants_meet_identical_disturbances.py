@@ -54,7 +54,7 @@ def test_another_component_leaves_the_noise_as_it_was(tmp_path: Path) -> None:
 
 def test_a_study_pairs_its_differences_by_seed(tmp_path: Path) -> None:
     experiment = load(tmp_path)
-    study = run_study(experiment, jobs=1)
+    study = run_study(experiment)
     assert study.seeds == (5, 6, 7)
     for name in experiment.variants:
         alone = [experiment.run(name, seed=seed).metrics["iae"] for seed in study.seeds]
