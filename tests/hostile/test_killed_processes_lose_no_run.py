@@ -71,12 +71,14 @@ def test_a_study_has_the_results_of_an_undisturbed_one(tmp_path: Path) -> None:
     text += '[metrics.power]\nkind = "rms"\nsignal = "plant.y"\n'
     (tmp_path / "lag.toml").write_text(text)
     experiment = Experiment.load(tmp_path / "lag.toml")
-    calm, killer = run_study(experiment, jobs=1), Killer(2, 0.3)
+    calm, killer = run_study(experiment), Killer(2, 0.3)
 
     def progress(share: float) -> None:
         if 0.1 < share < 0.95:
             killer.maybe()
 
-    assert run_study(experiment, jobs=2, progress=progress).runs == calm.runs
+    with Workers(2) as workers:
+        found = run_study(experiment, workers=workers, progress=progress)
+    assert found.runs == calm.runs
     assert len({run["power"] for run in calm.runs["a"]}) == 16
     assert killer.killed
