@@ -6,7 +6,10 @@ sentence; a traceback would be a defect of the harness.
 
 from __future__ import annotations
 
+import atexit
+import os
 import sys
+from contextlib import suppress
 
 import typer
 
@@ -50,8 +53,18 @@ app.command("verify")(verify.verify_command)
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line and exit."""
-    sys.exit(run_command_line(arguments))
+    """Run the command line and exit.
+
+    What was registered for the exit is done and the streams are flushed; the interpreter is not
+    taken apart, which would keep the terminal waiting long after Ctrl-C.
+    """
+    code = run_command_line(arguments)
+    with suppress(OSError, ValueError):
+        atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+    os._exit(code)
 
 
 def run_command_line(arguments: list[str] | None = None) -> int:

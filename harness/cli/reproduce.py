@@ -35,7 +35,7 @@ def reproduce_command(
     root = output or registry.run_folder("reproduce")
     if update and fast:
         raise UsageError("the fast subset decides nothing, so --update does not go with --fast")
-    with notices(), Workers(jobs) as workers:
+    with notices(), Workers(jobs, isolated=True) as workers:
         for paper in loaded:
             with bar() as progress:
                 task = progress.add_task(paper.name, total=1.0)

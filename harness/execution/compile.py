@@ -77,14 +77,21 @@ def compile_step(block: Block) -> CompiledStep:
     Raises `CompileError` naming the function and the reason.
     """
     lengths = map(len, (block.parameters, block.state, block.inputs, block.outputs))
-    function = _plain(block.step)
-    digest = hashlib.sha256()
-    _fingerprint(function, (), {}, digest)
-    name = f"step_{digest.hexdigest()[:24]}"
+    name = f"step_{step_fingerprint(block.step)[:24]}"
     if name not in _compiled:
-        _compiled[name] = _compile(function, name)
+        _compiled[name] = _compile(_plain(block.step), name)
     code = _compiled[name]
     return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
+
+
+def step_fingerprint(block: Block) -> str:
+    """The hash of all code that `block.step` runs (hexadecimal).
+
+    Raises `CompileError` where the step cannot be compiled.
+    """
+    digest = hashlib.sha256()
+    _fingerprint(_plain(block.step), (), {}, digest)
+    return digest.hexdigest()
 
 
 _compiled: dict[str, Any] = {}

@@ -15,6 +15,7 @@ from multiprocessing import get_context
 from typing import Self, TypeVar
 
 from harness.errors import SimulationError
+from harness.supervision.process import already_isolated
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
@@ -25,39 +26,63 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 class Workers:
     """`count` processes (0 asked for: one a core), started when first needed and then kept, for
-    what they have loaded and compiled. A context manager; with one worker all is done here."""
+    what they have loaded and compiled. A context manager; one worker works here, unless all is
+    to be `isolated` from this process."""
 
-    def __init__(self, jobs: int = 0) -> None:
+    def __init__(self, jobs: int = 0, *, isolated: bool = False) -> None:
         """Starts nothing."""
         self.count = jobs or os.cpu_count() or 1
+        self._here = self.count <= 1 and not isolated
         self._pool: ProcessPoolExecutor | None = None
 
     def spread(
-        self, function: Callable[[Task], Outcome], tasks: Sequence[Task]
+        self,
+        function: Callable[[Task], Outcome],
+        tasks: Sequence[Task],
+        *,
+        careful: Callable[[Task], Outcome] | None = None,
     ) -> Iterator[tuple[Task, Outcome]]:
         """Pairs (task, function(task)) in the order in which they are done. The function and the
         tasks must be picklable. The first task is done before the others begin, so that what it
         builds and compiles is there for all.
 
-        Raises `SimulationError` when a process dies, as a crashing FMU makes it; the task that was
-        running then is not known. Tasks not yet begun are dropped when the caller stops asking.
+        When a process dies, as a crashing FMU makes it, the tasks that may have been at it are
+        done here by `careful`, which must withstand it; the others go on in new processes. Without
+        it `SimulationError` is raised. Tasks not yet begun are dropped when the caller stops
+        asking.
         """
-        if self.count <= 1:
+        if self._here:
             for task in tasks:
                 yield task, function(task)
             return
-        futures: dict[Future[Outcome], Task] = {}
+        for some in (tasks[:1], tasks[1:]):
+            left = list(some)
+            while left:
+                suspects: list[Task] = []
+                for task, outcome in self._until_broken(function, left, suspects):
+                    left.remove(task)
+                    yield task, outcome
+                if suspects and careful is None:
+                    raise SimulationError(
+                        "a process of the study died; which task ended it is not known"
+                    )
+                for task in suspects:
+                    assert careful is not None
+                    left.remove(task)
+                    yield task, careful(task)
+
+    def _until_broken(
+        self, function: Callable[[Task], Outcome], tasks: Sequence[Task], suspects: list[Task]
+    ) -> Iterator[tuple[Task, Outcome]]:
+        """What is done before a process dies; then `suspects` are the tasks that had begun."""
+        futures = self._submit(function, tasks)
         try:
-            for some in (tasks[:1], tasks[1:]):
-                futures = self._submit(function, some)
-                for future in as_completed(futures):
-                    yield futures[future], future.result()
-        except BrokenProcessPool as fault:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BrokenProcessPool:
             self.close()
-            raise SimulationError(
-                "a process of the study died; run the experiment without --study or --sweep to see "
-                "which component ends it"
-            ) from fault
+            lost = [t for f, t in futures.items() if isinstance(f.exception(), BrokenProcessPool)]
+            suspects += lost[: 2 * self.count + 1]  # at most so many are with the processes
         finally:
             for future in futures:
                 future.cancel()
@@ -66,7 +91,9 @@ class Workers:
         self, function: Callable[[Task], Outcome], tasks: Sequence[Task]
     ) -> dict[Future[Outcome], Task]:
         if self._pool is None:
-            self._pool = ProcessPoolExecutor(self.count, mp_context=get_context("spawn"))
+            self._pool = ProcessPoolExecutor(
+                self.count, mp_context=get_context("spawn"), initializer=already_isolated
+            )
         with _defaults(dict.fromkeys(ONE_THREAD, "1")):  # processes start at a submission
             return {self._pool.submit(function, task): task for task in tasks}
 

@@ -7,6 +7,7 @@ left out is reported, and so is the share of runs in which a variant loses the l
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -89,7 +90,9 @@ def run_study(
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
     found: dict[tuple[str, int], Metrics] = {}
     tasks = _tasks(experiment, seeds, workers.count)
-    for (variant, some), metrics in workers.spread(partial(_run_seeds, experiment), tasks):
+    for (variant, some), metrics in workers.spread(
+        partial(_run_seeds, experiment), tasks, careful=partial(_run_apart, experiment)
+    ):
         found |= {(variant, seed): one for seed, one in zip(some, metrics, strict=True)}
         if progress is not None:
             progress(len(found) / (len(seeds) * len(experiment.variants)))
@@ -114,6 +117,22 @@ def _run_seeds(experiment: Experiment, task: Task) -> list[Metrics]:
     variant, seeds = task
     with experiment.prepare(variant) as prepared:
         return [_metrics(prepared, seed) for seed in seeds]
+
+
+def _run_apart(experiment: Experiment, task: Task) -> list[Metrics]:
+    """Every run in a worker of its own: one that dies loses its own loop only."""
+    variant, seeds = task
+    return [_run_one(experiment, variant, seed) for seed in seeds]
+
+
+def _run_one(experiment: Experiment, variant: str, seed: int) -> Metrics:
+    try:
+        return dict(experiment.run(variant, seed=seed).metrics)
+    except HarnessError as fault:
+        if fault.result is None:
+            raise
+        warnings.warn(f"{experiment.label(variant)}, seed {seed}: {fault}", stacklevel=2)
+        return {LOST: 1.0}
 
 
 def _metrics(prepared: PreparedVariant, seed: int) -> Metrics:

@@ -7,6 +7,7 @@ runs are spread over processes.
 from __future__ import annotations
 
 import copy
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -24,6 +25,7 @@ from harness.experiment.experiment import Experiment, Table
 from harness.experiment.parallel import Workers
 from harness.experiment.schema import AxisSpec, FmuSpec, SweepSpec
 from harness.results.plots import axis_label
+from harness.results.result import Result
 
 _CHUNKS = 8  # tasks a process gets, so that progress moves and the load evens out
 
@@ -66,7 +68,9 @@ def run_sweep(
         for variant in chosen
     ]
     found = {v: np.full((spec.y.count, spec.x.count), np.nan) for v in chosen}
-    outcomes = workers.spread(partial(_rows, experiment), tasks)
+    outcomes = workers.spread(
+        partial(_rows, experiment), tasks, careful=partial(_rows_apart, experiment)
+    )
     for done, ((variant, rows), outcome) in enumerate(outcomes, 1):
         found[variant][list(rows)] = outcome
         if progress is not None:
@@ -87,19 +91,30 @@ def _rows(experiment: Experiment, task: tuple[str, tuple[int, ...]]) -> NDArray[
         return np.array([[points.outcome(i, j) for j in range(count)] for i in rows])
 
 
-class _Points:
-    """The points of one variant. What only start values of FMUs tell apart is prepared once."""
+def _rows_apart(experiment: Experiment, task: tuple[str, tuple[int, ...]]) -> NDArray[np.float64]:
+    """As `_rows`, every run in a worker of its own: one that dies is one point outside."""
+    variant, rows = task
+    count = _spec(experiment).x.count
+    with _Points(experiment, variant, apart=True) as points:
+        return np.array([[points.outcome(i, j) for j in range(count)] for i in rows])
 
-    def __init__(self, experiment: Experiment, variant: str) -> None:
+
+class _Points:
+    """The points of one variant. What only start values of FMUs tell apart is prepared once,
+    unless every run is to be `apart`, in a worker process of its own."""
+
+    def __init__(self, experiment: Experiment, variant: str, *, apart: bool = False) -> None:
+        self._apart = apart
         self._experiment, self._variant = experiment, variant
         self._spec = _spec(experiment)
         fmus = experiment.variant_spec(variant).components
         self._places = {
             axis.key: place
             for axis in (self._spec.x, self._spec.y)
-            if (place := _start_value(axis.key, fmus)) is not None
+            if not apart and (place := _start_value(axis.key, fmus)) is not None
         }
         self._settings: dict[str, float] = {}
+        self._moved = experiment
         self._prepared = experiment.prepare(variant)
 
     def outcome(self, i: int, j: int) -> float:
@@ -112,10 +127,12 @@ class _Points:
         seed = self._experiment.spec.seed + (i * spec.x.count + j if spec.own_seeds else 0)
         self._prepare(values)
         try:
-            metrics = self._prepared.run(seed=seed, start_values=start_values).metrics
+            metrics = self._run(seed, start_values).metrics
         except HarnessError as fault:
             if fault.result is None:
                 raise
+            if self._apart:
+                warnings.warn(f"{self._variant}, point ({i}, {j}): {fault}", stacklevel=2)
             return float("nan")
         if spec.outcome not in metrics:
             raise ExperimentError(
@@ -130,6 +147,12 @@ class _Points:
             self._prepared.close()
             moved = _moved(self._experiment, self._variant, settings)
             self._settings, self._prepared = settings, moved.prepare(self._variant)
+            self._moved = moved
+
+    def _run(self, seed: int, start_values: dict[str, dict[str, float]]) -> Result:
+        if self._apart:
+            return self._moved.run(self._variant, seed=seed)
+        return self._prepared.run(seed=seed, start_values=start_values)
 
     def __enter__(self) -> Self:
         return self

@@ -27,7 +27,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-_JANITOR = 'read -r _; kill -9 -- "-$1"; rm -rf -- "$2"'
+_JANITOR = 'read -r worker; read -r _; [ -n "$worker" ] && kill -9 -- "-$worker"; rm -rf -- "$1"'
 _PR_SET_PDEATHSIG = 1
 _DYING_SECONDS = 1.0
 
@@ -50,6 +50,7 @@ class WorkerProcess:
 
     def __init__(self, work: Callable[[Connection], None]) -> None:
         self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-run-"))
+        self._janitor = _janitor(self.folder)  # before the worker, so that no moment lacks one
         self.connection, other = Pipe()
         sys.stdout.flush()
         sys.stderr.flush()
@@ -57,11 +58,16 @@ class WorkerProcess:
         with _compiler_at_rest():
             self.pid = os.fork()
         if self.pid == 0:
+            if self._janitor is not None and self._janitor.stdin is not None:
+                os.close(self._janitor.stdin.fileno())  # it waits for the last holder of this end
             _live(work, other, self.connection, self.folder, supervisor)
         other.close()
         with contextlib.suppress(OSError):  # the worker does the same; whoever comes first
             os.setpgid(self.pid, self.pid)
-        self._janitor = _janitor(self.pid, self.folder)
+        if self._janitor is not None and self._janitor.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._janitor.stdin.write(f"{self.pid}\n".encode())
+                self._janitor.stdin.flush()
 
     def tell(self, message: Any) -> None:
         """Send a message, which is lost where the worker is gone."""
@@ -76,20 +82,19 @@ class WorkerProcess:
             return 0
         return int(held) * os.sysconf("SC_PAGE_SIZE")
 
-    def has_ended(self) -> bool:
-        """Whether the worker has died; it stays to be waited for."""
-        options = os.WEXITED | os.WNOHANG | os.WNOWAIT
+    def gone(self) -> bool:
+        """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
         try:
-            return os.waitid(os.P_PID, self.pid, options) is not None
-        except ChildProcessError:
+            ended = os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        except ChildProcessError:  # somebody else has waited for it
             return True
+        return ended is not None
 
     def end(self, *, at_once: bool) -> int | None:
         """End the worker and all that it started; its exit code, or minus the signal that ended
         it, or None where that is not known. Not `at_once`: it may take a moment to end itself."""
         if not at_once:
             self._wait(_DYING_SECONDS)
-        self._release_janitor()
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, signal.SIGKILL)
         try:
@@ -99,12 +104,13 @@ class WorkerProcess:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, signal.SIGKILL)  # what it started while it was dying
         shutil.rmtree(self.folder, ignore_errors=True)
+        self._release_janitor()
         return code
 
     def _wait(self, seconds: float) -> None:
         """Until the worker has ended, but no longer; it stays to be waited for."""
         until = time.monotonic() + seconds
-        while not self.has_ended() and time.monotonic() < until:
+        while not self.gone() and time.monotonic() < until:
             time.sleep(0.002)
 
     def _release_janitor(self) -> None:
@@ -125,8 +131,8 @@ def _compiler_at_rest() -> Iterator[None]:
         yield
 
 
-def _janitor(pid: int, folder: Path) -> subprocess.Popen[bytes] | None:
-    command = ["/bin/sh", "-c", _JANITOR, "fmu-harness-janitor", str(pid), str(folder)]
+def _janitor(folder: Path) -> subprocess.Popen[bytes] | None:
+    command = ["/bin/sh", "-c", _JANITOR, "fmu-harness-janitor", str(folder)]
     quiet = subprocess.DEVNULL
     try:
         return subprocess.Popen(

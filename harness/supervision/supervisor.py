@@ -124,7 +124,7 @@ class _Watch:
                 except (EOFError, OSError):
                     return False
                 self.take(worker, message)
-            elif worker.has_ended():  # what an FMU started may hold the connection open
+            elif worker.gone() and not worker.connection.poll(0):
                 return False
             now = time.monotonic()
             if now - looked >= _LOOK_SECONDS:

@@ -99,7 +99,7 @@ class _Watched(Surroundings):
         self._begun = 0  # chunks begun, which is also the number of the present one
         self._taken = 0  # chunks whose rows the supervisor has
         self._telling = Lock()
-        self._rows = 0
+        self._recorded = 0
         self._made_of: dict[str, str] | None = None  # None: no checkpoints
         self._live: tuple[Program, Mapping[str, FmuInstance]] | None = None
         self._saved = time.monotonic()
@@ -152,7 +152,7 @@ class _Watched(Surroundings):
 
     def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
         """A chunk is done; its rows are where the supervisor finds them."""
-        self._rows += len(rows)
+        self._recorded += len(rows)
         self.tell(Chunk(self._begun, len(rows)))
 
     def linked(self, program: Program) -> None:
@@ -177,7 +177,7 @@ class _Watched(Surroundings):
         if snapshot is None:
             return 0
         restore(program, instances, snapshot)
-        self._rows = snapshot.rows
+        self._recorded = snapshot.rows
         self.clock[CYCLE], self.clock[INSTANT] = snapshot.cycle, snapshot.now_ns
         return snapshot.cycle
 
@@ -198,7 +198,7 @@ class _Watched(Surroundings):
         assert self._live is not None and self._made_of is not None
         now = int(self.clock[INSTANT])
         try:
-            snapshot = take(*self._live, cycle, self._rows, now, self._made_of)
+            snapshot = take(*self._live, cycle, self._recorded, now, self._made_of)
         except FmuError:  # it promised what it cannot do; the run itself goes on
             self._made_of = None
             return

@@ -80,7 +80,11 @@ def hostile_fmu(
     folder.mkdir(parents=True, exist_ok=True)
     made = folder / f"{name}.fmu"
     with zipfile.ZipFile(made, "w") as archive:
-        archive.writestr("modelDescription.xml", description(fmi, states=states))
-        archive.write(library(fmi, *defined), f"binaries/{binaries}/hostile.so")
-        archive.writestr("resources/behaviour.txt", "".join(f"{one}\n" for one in behaviours))
+        content: dict[str, str | bytes] = {
+            "modelDescription.xml": description(fmi, states=states),
+            f"binaries/{binaries}/hostile.so": library(fmi, *defined).read_bytes(),
+            "resources/behaviour.txt": "".join(f"{one}\n" for one in behaviours),
+        }
+        for member, text in content.items():  # without the time, so that equal FMUs have one hash
+            archive.writestr(zipfile.ZipInfo(member), text)
     return made
