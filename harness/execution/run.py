@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from harness.clock import to_seconds
 from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
+from harness.execution import surroundings as usual_surroundings
 from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
@@ -152,7 +153,7 @@ def execute(
     FMUs are asked for `logging` where it is true, or None and there is an `echo`.
     """
     began = time.perf_counter()
-    around = surroundings or Surroundings()
+    around = surroundings or usual_surroundings.usual()
     verbose = echo is not None if logging is None else logging
     with ExitStack() as stack:
         instances: dict[str, FmuInstance] = {}

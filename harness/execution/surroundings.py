@@ -60,3 +60,7 @@ class Surroundings:
 
     def between(self, cycle: int) -> None:
         """A chunk is done and recorded, `cycle` is next; may raise to end the run."""
+
+
+usual: type[Surroundings] = Surroundings
+"""What a run stands in that is given nothing else."""
