@@ -13,6 +13,11 @@ extended filter. Q and R are those of one sample. The share a is 0 for a command
 obeys at once and 1 for a reading of what acted; a command that arrives late lies between.
 
 `kalman_block` makes the block of any model; `controllers.two_mass_kalman` is an example.
+
+Why a block beside `controllers.estimator`, which has the same kernels: that one integrates a model
+in continuous time, and derives Φ and the noise of a sample from it. Here the designer gives Q and
+the model of a sample, whose parameters change from one to the next, and what adaptation acts on
+lies between the kernels. A filter of both kinds would be the sum of the two.
 """
 
 from __future__ import annotations

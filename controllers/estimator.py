@@ -14,7 +14,8 @@ u_k does not exist yet: then the input given at k is u_{k−1} (a wire delayed b
 Without measurements the block simulates the model open loop: prediction alone.
 
 The model's functions are bound to the step by `controllers.bind`, so that one step serves every
-model and compiles. This module refuses to know a model.
+model and compiles. `controllers.adaptive_kalman` is the block for a model of one sample whose
+parameters, noise and gain are scheduled. This module refuses to know a model.
 """
 
 from __future__ import annotations

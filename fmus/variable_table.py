@@ -23,6 +23,8 @@ PLANTS = (
     "electro_hydraulic_servo",
     "single_machine_infinite_bus",
     "two_mass_drive",
+    "oscillator_left",
+    "oscillator_right",
 )
 
 _ROUNDING = 1e-9  # in 1/s: a smaller real part is the rounding of one that is zero

@@ -38,6 +38,7 @@ from harness.system.graph import (
     BlockComponent,
     Component,
     Connection,
+    Convergence,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -54,7 +55,9 @@ class Bench:
 
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
-    "jacobi" or "gauss-seidel". `seed` seeds all noise. `fmi_version` is that of the FMUs built
+    "jacobi", "gauss-seidel" or "iterative"; `algebraic_loops` between them are refused or solved
+    ("refuse", "solve"), and what is repeated has converged to `coupling_tolerance` (relative)
+    within `max_iterations`. `seed` seeds all noise. `fmi_version` is that of the FMUs built
     from plants, `portable` asks for their Python packaging. `controllers` are the controller
     objects by component name.
     """
@@ -68,6 +71,9 @@ class Bench:
         record_step: float | None = None,
         record: Sequence[str] = ("*",),
         algorithm: str = "jacobi",
+        algebraic_loops: str = "refuse",
+        coupling_tolerance: float = 1e-6,
+        max_iterations: int = 50,
         seed: int = 0,
         fmi_version: int = 3,
         portable: bool = False,
@@ -79,6 +85,8 @@ class Bench:
         self.record_ns = self._period(record_step, "record_step")
         self.record = tuple(record)
         self.algorithm = algorithm
+        self.algebraic_loops = algebraic_loops
+        self.convergence = Convergence(coupling_tolerance, max_iterations)
         self.seed = seed
         self.fmi_version = fmi_version
         self.portable = portable
@@ -182,13 +190,17 @@ class Bench:
         target: str,
         *,
         delay: float = 0.0,
+        extrapolation: int = 0,
         imperfections: Sequence[Imperfection | Mapping[str, Any]] = (),
         **named: Mapping[str, Any],
     ) -> None:
-        """A wire from `component.output` to `component.input`.
+        """A wire from `component.output` to `component.input`; arrays of equal dimensions whole, or
+        an element of one, as in "plant.pressure[2]".
 
         What is put on it, in order: `imperfections` (objects, or mappings with a `kind`), then
-        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds.
+        those named by kind, as in `noise={"std": 5.0}`; then a `delay` in seconds. From FMU to
+        FMU, `extrapolation=1` takes the value to change linearly during a step instead of
+        holding it.
         """
         with _named(f"connection {source} -> {target}"):
             put = [_imperfection(one) for one in imperfections]
@@ -200,6 +212,7 @@ class Bench:
                 self._endpoint(target),
                 to_nanoseconds(delay, label),
                 tuple(put),
+                extrapolation,
             )
         )
 
@@ -215,6 +228,8 @@ class Bench:
             self.record_ns,
             self.algorithm,
             self.seed,
+            self.algebraic_loops,
+            self.convergence,
         )
 
     def run(

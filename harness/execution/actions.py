@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 from harness.system.lowering import Wire
 
-View = Literal["present", "applied", "reached"]
+View = Literal["present", "applied", "reached", "previous"]
 """Which values of an FMU's outputs: those read at the present instant, those after the inputs of
-this instant have been applied (where outputs depend on them directly), or those at the end of the
-step. Each is held until it is read again."""
+this instant have been applied (where outputs depend on them directly), those at the end of the
+step, or those of the instant before. Each is held until it is read again."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,12 @@ class Write:
 
 @dataclass(frozen=True)
 class Step:
-    """Let an FMU step from the present instant by `step_ns`."""
+    """Let an FMU step from the present instant by `step_ns`; a step that may be undone is not
+    `final`."""
 
     component: str
     step_ns: int
+    final: bool = True
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,84 @@ class Record:
     """Record a row."""
 
 
-Action = Sample | Transfer | Compute | Linearise | Read | Write | Step | Record
+@dataclass(frozen=True)
+class Blend:
+    """Change the value at the targets of wires by what the sources were at other times:
+
+    target <- own * target + sum over terms (view, weight) of weight * (value in that view)
+    """
+
+    wires: tuple[Wire, ...]
+    own: float
+    terms: tuple[tuple[View, float], ...]
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Tell an FMU by how much its inputs change during the coming step of `step_ns`:
+
+    own * target + sum over terms (view, weight) of weight * (value in that view)
+    """
+
+    component: str
+    wires: tuple[Wire, ...]
+    own: float
+    terms: tuple[tuple[View, float], ...]
+    step_ns: int
+
+
+@dataclass(frozen=True)
+class Keep:
+    """Let the present values of an FMU's outputs be the previous ones from now on."""
+
+    component: str
+    outputs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Save:
+    """Take a snapshot of an FMU's state; the one before is given up."""
+
+    component: str
+
+
+@dataclass(frozen=True)
+class Restore:
+    """Return an FMU to its snapshot."""
+
+    component: str
+
+
+@dataclass(frozen=True)
+class UnlessStop:
+    """At the stop time the instant ends here."""
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """Repeat `body` until the targets of `wires` have the values that it begins with.
+
+    Before each repetition the targets get the values assumed for them, at first those that they
+    have; after it, what the wires bring from `view` is compared with the assumption.
+    """
+
+    wires: tuple[Wire, ...]
+    view: View
+    body: tuple[Action, ...]
+
+
+Action = (
+    Sample | Transfer | Compute | Linearise | Read | Write | Step | Record
+    | Blend | Slope | Keep | Save | Restore | UnlessStop | Iterate
+)  # fmt: skip
+
+
+def flat(actions: Iterable[Action]) -> Iterator[Action]:
+    """The actions, with those inside of repetitions after the repetition itself."""
+    for action in actions:
+        yield action
+        if isinstance(action, Iterate):
+            yield from flat(action.body)
 
 
 @dataclass(frozen=True)

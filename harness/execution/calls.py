@@ -34,3 +34,13 @@ def call_status(typingctx: Any, address: Any, arguments: Any) -> Any:
         return builder.call(pointer, values)
 
     return signature, generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def load_int64(typingctx: Any, address: Any) -> Any:
+    """The int64 that lies at `address`."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.load(builder.inttoptr(args[0], ir.PointerType(ir.IntType(64))))
+
+    return types.int64(types.int64), generate

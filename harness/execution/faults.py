@@ -9,7 +9,18 @@ import numpy as np
 from harness.clock import show, to_seconds
 from harness.errors import SimulationError
 from harness.execution import operations as op
-from harness.execution.actions import Action, Compute, Linearise, Read, Step, Write
+from harness.execution.actions import (
+    Action,
+    Compute,
+    Iterate,
+    Linearise,
+    Read,
+    Restore,
+    Save,
+    Slope,
+    Step,
+    Write,
+)
 from harness.execution.exchange import encode
 from harness.execution.loop import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
@@ -38,6 +49,8 @@ def explain(
             f"component {name}: {call_name(action)} {when} returned before the end of the step, "
             "although early return was not allowed at instantiation; report it to its maker"
         )
+    if outcome == op.NOT_CONVERGED:
+        return SimulationError(_not_converged(program, when))
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
     if outcome == op.OUT_OF_RANGE:
@@ -65,6 +78,25 @@ def explain(
     )
 
 
+def _not_converged(program: Program, when: str) -> str:
+    action = program.owners[int(program.clock[OPERATION])]
+    assert isinstance(action, Iterate)
+    iteration = program.iterations[action]
+    residuals = iteration.residuals(program.v)
+    worst = int(np.argmax(residuals))
+    wire = action.wires[worst]
+    limits = iteration.convergence
+    stepping = any(isinstance(inner, Step) for inner in action.body)
+    way_out = "take smaller communication steps, " if stepping else ""
+    return (
+        f"coupling {wire.source} -> {wire.target} {when} did not converge in "
+        f"{limits.max_iterations} repetitions: {wire.target} = "
+        f"{program.v[iteration.assumed[worst]]:.9g} would have to be "
+        f"{program.v[iteration.found[worst]]:.9g} (relative residual {residuals[worst]:.3g}, "
+        f"tolerance {limits.tolerance:g}); {way_out}allow more repetitions or a larger tolerance"
+    )
+
+
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
     slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
@@ -77,7 +109,7 @@ def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: 
     room = np.zeros(8, dtype=np.uint8)
     slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
     port = next(end for end, place in program.layout.slots.items() if place == slot)
-    type_name = instances[port.component].description.variable(port.variable).type
+    type_name = instances[port.component].description.port(port.variable).type
     return (
         f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
         "saturate what is wired to it"
@@ -101,7 +133,7 @@ def _fmu_of(program: Program, action: Action) -> str:
     if isinstance(action, Linearise):
         component = program.plan.lowered.component(action.component)
         return str(getattr(component, "component", action.component))
-    assert isinstance(action, (Read, Write, Step, Compute))
+    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore, Slope))
     return action.component
 
 
@@ -114,6 +146,12 @@ def call_name(action: Action) -> str:
             return f"setting {', '.join(action.inputs)}"
         case Step():
             return f"doStep by {show(action.step_ns)}"
+        case Slope():
+            return "setting input derivatives"
+        case Save():
+            return "getting the FMU state"
+        case Restore():
+            return "setting the FMU state"
         case Linearise():
             return "directional derivative"
         case Compute():

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from harness.execution import operations as op
-from harness.execution.actions import Read, View
+from harness.execution.actions import Keep, Read, View, flat
 from harness.execution.plan import Plan
 from harness.fmi.model_description import ModelDescription, Variable
 from harness.system.graph import Endpoint
@@ -63,15 +63,26 @@ class Layout:
         yield from ((end, place) for (_, end), place in self.views.items())
 
 
+def whole(ends: Iterable[Endpoint], descriptions: Mapping[str, ModelDescription]) -> list[Endpoint]:
+    """The ports of FMUs, with all elements of an array for any of them, each once, in order."""
+    return list(
+        dict.fromkeys(
+            Endpoint(end.component, name)
+            for end in ends
+            for name in descriptions[end.component].whole(end.variable)
+        )
+    )
+
+
 def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Layout:
     """Give a slot to every port that `plan` touches."""
 
     def grouped(ends: Iterable[Endpoint]) -> list[Endpoint]:
         def key(end: Endpoint) -> tuple[str, str]:
             d = descriptions[end.component]
-            return end.component, access(d.variable(end.variable), d.fmi_major)[0]
+            return end.component, access(d.port(end.variable), d.fmi_major)[0]
 
-        return sorted(ends, key=key)
+        return sorted(whole(ends, descriptions), key=key)
 
     slots: dict[Endpoint, int] = {}
     for end in [*grouped(plan.written), *grouped(plan.read)]:
@@ -81,12 +92,16 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
             for signal in signals:
                 slots[Endpoint(component.name, signal.name)] = len(slots)
     rank = {end: i for i, end in enumerate(slots)}
-    others: set[tuple[View, Endpoint]] = {
-        (action.view, Endpoint(action.component, name))
-        for actions in plan.patterns
-        for action in actions
-        if isinstance(action, Read) and action.view != "present"
-        for name in action.outputs
+    others: set[tuple[View, Endpoint]] = set()
+    for action in flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]):
+        if isinstance(action, (Keep, Read)):
+            view = action.view if isinstance(action, Read) else "previous"
+            others |= {(view, Endpoint(action.component, name)) for name in action.outputs}
+    others = {
+        (view, one)
+        for view, end in others
+        if view != "present"
+        for one in whole([end], descriptions)
     }
     ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
     views = {other: len(slots) + i for i, other in enumerate(ordered)}

@@ -13,11 +13,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 from numba import njit
 
 from harness.execution import operations as op
-from harness.execution.calls import call_status
+from harness.execution.calls import call_status, load_int64
 from harness.execution.exchange import decode, encode
 
 CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
@@ -25,7 +24,6 @@ CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
 
 _NANO = 1e9
 _WARNING = 1  # the highest FMI status with which a run goes on
-_ONE = np.int64(1)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
@@ -52,7 +50,8 @@ def run_cycles(
             if now > stop:
                 break
             clock[INSTANT] = now
-            for o in range(instants[instant, 1], instants[instant, 2]):
+            o, end = instants[instant, 1], instants[instant, 2]
+            while o < end:
                 clock[OPERATION] = o
                 # one by one: a view of the row would cost atomic reference counting
                 code, a, b, c = program[o, 0], program[o, 1], program[o, 2], program[o, 3]
@@ -71,14 +70,15 @@ def run_cycles(
                 elif code == op.STEP_FMI3:
                     if now + c <= stop:
                         t, h = now / _NANO, c / _NANO
-                        status = call_status(a, (b, t, h, _ONE, d, d + 1, d + 2, e))
+                        final = program[o, 7]
+                        status = call_status(a, (b, t, h, final, d, d + 1, d + 2, e))
                         if status <= _WARNING and exchange[f + 2] != 0:
                             return op.EARLY
                         if status <= _WARNING and exchange[f + 1] != 0:
                             return op.TERMINATED
                 elif code == op.STEP_FMI2:
                     if now + c <= stop:
-                        status = call_status(a, (b, now / _NANO, c / _NANO, _ONE))
+                        status = call_status(a, (b, now / _NANO, c / _NANO, d))
                 elif code == op.CHECK:
                     for slot in range(a, b):
                         if not math.isfinite(v[slot]):
@@ -94,6 +94,22 @@ def run_cycles(
                         return op.OUT_OF_RANGE
                 elif code == op.DECODE:
                     decode(a, v, b, c, exchange, d)
+                elif code == op.ADD:
+                    for i in range(a, b):
+                        v[copies[i, 1]] += scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
+                elif code == op.CALL_2:
+                    status = call_status(a, (b, c))
+                elif code == op.CALL_2_AT:
+                    status = call_status(a, (b, load_int64(c)))
+                elif code == op.REPEAT:
+                    if math.isnan(v[a]):
+                        return op.NOT_CONVERGED
+                    if v[a] != 0.0:
+                        o -= b
+                        continue
+                elif code == op.UNLESS_STOP:
+                    if now >= stop:
+                        break
                 elif code == op.CALL_7:
                     status = call_status(a, (b, c, d, e, f, program[o, 7], program[o, 8]))
                 else:
@@ -102,5 +118,6 @@ def run_cycles(
                 if status > _WARNING or status < 0:
                     clock[STATUS] = status
                     return op.STATUS
+                o += 1
         clock[CYCLE] += 1
     return op.OK

@@ -20,10 +20,11 @@ CALL_9 = 5
 sizes) and plain Python ones 4, get and set functions 4 in FMI 2 and 5 in FMI 3, directional
 derivatives 7 and 9."""
 STEP_FMI2 = 6
-"""address, instance, step in ns"""
+"""address, instance, step in ns, final"""
 STEP_FMI3 = 7
-"""address, instance, step in ns, flags, last successful time, byte offset of the flags: the flags
-are eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each in the exchange buffer"""
+"""address, instance, step in ns, flags, last successful time, byte offset of the flags, final: the
+flags are eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each in the exchange
+buffer. `final` is 1 where the state before the step will not be asked for again, else 0."""
 CHECK = 8
 """first slot, last slot: the run ends where one of them is NaN or infinite"""
 ENCODE = 9
@@ -32,6 +33,17 @@ DECODE = 10
 run ends where a number does not fit"""
 RECORD = 11
 """no operands: append the recorded slots as a row"""
+
+ADD = 12
+"""first, last: for i in [first, last): v[destination[i]] += factor[i] * v[source[i]] + offset[i]"""
+CALL_2 = 13
+"""address, then 2 int64 arguments: get functions of an FMU's state take these"""
+CALL_2_AT = 14
+"""address, int64 argument, place: the second argument is the int64 that lies at address `place`"""
+REPEAT = 15
+"""slot, rows: go back by that many rows while v[slot] is not zero; the run ends where it is NaN"""
+UNLESS_STOP = 16
+"""no operands: at the stop time the instant ends here"""
 
 OK = 0
 STATUS = 1
@@ -42,9 +54,10 @@ TERMINATED = 3
 """an FMI 3 component asked for the end of the simulation"""
 EARLY = 4
 """an FMI 3 component returned before the end of its step, which it was not allowed to"""
-
 OUT_OF_RANGE = 5
 """a number does not fit into the C type of the input that it is written to"""
+NOT_CONVERGED = 6
+"""a repetition came to no end"""
 
 BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32, BOOL32 = range(11)
 """Kinds of C numbers that are not float64; booleans are 1 byte in FMI 3 and an int in FMI 2."""

@@ -8,37 +8,38 @@ At each instant, in this order (the timing contract):
     3  what they computed goes to the FMU inputs and into delay lines, a row is recorded
     4  FMUs step to their next instant
 
-Jacobi and Gauss–Seidel differ in part 4 only: Jacobi writes all inputs and then steps all FMUs;
-Gauss–Seidel steps them one after the other, each with what those before it have reached.
+The algorithms by which FMUs are coupled differ in part 4 only, which is `master`'s.
 
-It refuses rates that do not divide one another, loops of blocks without delay, and cycles that
-would need more than `MAX_ACTIONS` actions.
+It refuses loops of blocks without delay, and loops of direct feedthrough unless they are to be
+solved; `rates` refuses rates that do not fit together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import networkx as nx
 
-from harness.clock import common_cycle, show
-from harness.errors import GraphError, TimingError
+from harness.errors import GraphError
 from harness.execution.actions import (
     Action,
     Compute,
     Instant,
+    Iterate,
     Linearise,
     Read,
     Record,
     Sample,
-    Step,
     Transfer,
     View,
     Write,
 )
 from harness.execution.calendar import Calendar, Event, Role
-from harness.execution.coupling import Stage, coupling_stages, feeding_inputs
+from harness.execution.coupling import Feeding, Stage, coupling_stages, feeding_inputs
+from harness.execution.master import Master, by_component
+from harness.execution.rates import Rates
 from harness.fmi.model_description import ModelDescription
 from harness.system.graph import (
     Component,
@@ -48,9 +49,7 @@ from harness.system.graph import (
     SensitivityComponent,
     SignalComponent,
 )
-from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
-
-MAX_ACTIONS = 1_000_000
+from harness.system.lowering import DelayComponent, LoweredSystem, Wire
 
 
 @dataclass(frozen=True)
@@ -103,20 +102,17 @@ class _Planner:
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
-        self._check_phases()
-        self._check_rates()
-        periods = [rate_of(c).period_ns for c in lowered.components]
-        self.cycle_ns = common_cycle([*periods, self.system.record_ns])
-        self._check_size()
-        self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
-        self._check_stop()
+        self.rates = Rates(lowered, descriptions)
+        self.cycle_ns = self.rates.cycle_ns
         self.blocks = self._order_blocks()
-        self.stages = self._reading_stages()
+        self.stages = self._reading_stages(partial(feeding_inputs, descriptions=descriptions))
+        self.initial_stages = self._reading_stages(
+            partial(feeding_inputs, descriptions=descriptions, initially=True), initially=True
+        )
         self.fresh = self._fresh_stages()
         self.written = self._written()
-        self.written_of = _by_component(self.written)
-        self.wires_before = self._wires_from_before()
-        self.reached = _by_component(w.source for ws in self.wires_before.values() for w in ws)
+        self.written_of = by_component(self.written)
+        self.master = Master(lowered, descriptions, self.rates.grid, self.written_of)
 
     def plan(self) -> Plan:
         instants = self._calendar().instants()
@@ -127,90 +123,10 @@ class _Planner:
             self.cycle_ns,
             tuple(Instant(offset, patterns[events]) for offset, events in instants),
             tuple(self._initial_actions()),
-            tuple(end for stage in self.stages for end in stage.outputs),
+            tuple(end for stage in self.stages for end in stage.every_output),
             self.written,
             self.recorded,
         )
-
-    # rates
-
-    def _check_phases(self) -> None:
-        for c in self.lowered.sampled:
-            rate = rate_of(c)
-            if rate.phase_ns < 0:
-                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
-            if rate.phase_ns >= rate.period_ns:
-                raise TimingError(
-                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
-                    f"{show(rate.period_ns)}"
-                )
-
-    def _check_rates(self) -> None:
-        for c in self.lowered.sampled:
-            if isinstance(c, SensitivityComponent):
-                step_ns = self.fmus[c.component].step_ns
-                if c.period_ns % step_ns or c.phase_ns % step_ns:
-                    raise TimingError(
-                        f"sensitivity {c.name} runs every {show(c.period_ns)} (first at "
-                        f"{show(c.phase_ns)}) but {c.component} steps by {show(step_ns)}: both "
-                        "must be whole multiples of it"
-                    )
-        for wire in self.lowered.wires:
-            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
-            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
-            other = target if fmu is source else source
-            if fmu is None or isinstance(other, DelayComponent):
-                continue
-            rate = rate_of(other)
-            fast, slow = sorted((fmu.step_ns, rate.period_ns))
-            if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
-                offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
-                raise TimingError(
-                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
-                    f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
-                )
-
-    def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
-        offsets = set(range(0, self.cycle_ns, fmu.step_ns))
-        capabilities = self.descriptions[fmu.name].co_simulation
-        for wire in self.wires_to[fmu.name]:
-            source = self.by_name[wire.source.component]
-            if not isinstance(source, DelayComponent):
-                continue
-            arrivals = set(self._sample_offsets(source))
-            fixed = capabilities is not None and not capabilities.can_handle_variable_step
-            if fixed and arrivals - set(range(0, self.cycle_ns, fmu.step_ns)):
-                raise TimingError(
-                    f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes steps "
-                    f"of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
-                )
-            offsets |= arrivals
-        return tuple(sorted(offsets))
-
-    def _sample_offsets(self, component: SampledComponent) -> range:
-        rate = rate_of(component)
-        return range(rate.phase_ns, self.cycle_ns, rate.period_ns)
-
-    def _check_size(self) -> None:
-        rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
-        count = sum(self.cycle_ns // period for period in rates.values())
-        if count > MAX_ACTIONS:
-            text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
-            raise TimingError(
-                f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
-                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
-                f"{text}"
-            )
-
-    def _check_stop(self) -> None:
-        length = self.system.stop_ns - self.system.start_ns
-        for fmu in self.fmus.values():
-            if length % fmu.step_ns:
-                raise TimingError(
-                    f"{fmu.name} steps by {show(fmu.step_ns)}, which does not divide the run of "
-                    f"{show(length)}; the nearest stop time is "
-                    f"{show(self.system.start_ns + round(length / fmu.step_ns) * fmu.step_ns)}"
-                )
 
     # order
 
@@ -243,13 +159,16 @@ class _Planner:
         recorded = [end for end in self.recorded if end.component in self.fmus]
         return [*wired, *(end for end in recorded if end not in inputs)]
 
-    def _reading_stages(self) -> tuple[Stage, ...]:
+    def _reading_stages(self, feeding: Feeding, initially: bool = False) -> tuple[Stage, ...]:
         def known(wire: Wire) -> bool:
             source = self.by_name[wire.source.component]
             return isinstance(source, (FmuComponent, SignalComponent))
 
         wires = [w for w in self.lowered.wires if w.target.component in self.fmus and known(w)]
-        return coupling_stages(self._fmu_sources(), wires, self.descriptions)
+        solve = self.system.solves_loops
+        return coupling_stages(
+            self._fmu_sources(), wires, feeding, solve=solve, initially=initially
+        )
 
     def _fresh_stages(self) -> tuple[Stage, ...]:
         """How outputs that depend directly on what blocks have just computed reach other FMUs."""
@@ -271,10 +190,11 @@ class _Planner:
         if not outputs:
             return ()
         inner = [w for w in wires if w.source in outputs]
-        return coupling_stages(outputs, inner, self.descriptions)
+        feeding = partial(feeding_inputs, descriptions=self.descriptions)
+        return coupling_stages(outputs, inner, feeding, solve=self.system.solves_loops)
 
     def _written(self) -> tuple[Endpoint, ...]:
-        early = [wire.target for stage in self.stages for wire in stage.wires]
+        early = [wire.target for stage in self.stages for wire in stage.every_wire]
         every = [w.target for w in self.lowered.wires if w.target.component in self.fmus]
         return tuple(dict.fromkeys([*early, *every]))
 
@@ -284,12 +204,12 @@ class _Planner:
         calendar = Calendar(self.cycle_ns)
         for delay in self.delays:
             taken = range(delay.source_phase_ns, self.cycle_ns, delay.period_ns)
-            calendar.enter(Event(Role.ARRIVE, delay.name), self._sample_offsets(delay))
+            calendar.enter(Event(Role.ARRIVE, delay.name), self.rates.sample_offsets(delay))
             calendar.enter(Event(Role.TAKE, delay.name), taken)
         for block in self.blocks:
-            calendar.enter(Event(Role.SAMPLE, block.name), self._sample_offsets(block))
+            calendar.enter(Event(Role.SAMPLE, block.name), self.rates.sample_offsets(block))
         calendar.enter(Event(Role.RECORD), range(0, self.cycle_ns, self.system.record_ns))
-        for name, grid in self.grid.items():
+        for name, grid in self.rates.grid.items():
             calendar.enter_steps(name, grid)
         return calendar
 
@@ -311,7 +231,7 @@ class _Planner:
             yield Transfer(tuple(self.wires_to[name]))
         if names[Role.RECORD]:
             yield Record()
-        yield from self._steps(due)
+        yield from self.master.steps(due)
 
     def _compute(self, component: Component) -> Iterator[Action]:
         if self.wires_to[component.name]:
@@ -322,14 +242,16 @@ class _Planner:
         self, stages: tuple[Stage, ...], due: Collection[str], view: View = "present"
     ) -> Iterator[Action]:
         for stage in stages:
-            wires = tuple(w for w in stage.wires if w.target.component in due)
-            if wires:
-                yield Transfer(wires, view)
-                targets = _by_component(w.target for w in wires)
-                yield from (Write(name, inputs) for name, inputs in targets.items())
-            outputs = [end for end in stage.outputs if end.component in due]
-            for name, variables in _by_component(outputs).items():
-                yield Read(name, variables, view)
+            yield from _pass_on([w for w in stage.wires if w.target.component in due], view)
+            for loop in stage.loops:
+                wires = [w for w in loop.wires if w.target.component in due]
+                yield from _pass_on([w for w in wires if w.source.component not in due], view)
+                yield from _solve(
+                    tuple(w for w in wires if w.source.component in due),
+                    _reads((end for end in loop.outputs if end.component in due), view),
+                    view,
+                )
+            yield from _reads((end for end in stage.outputs if end.component in due), view)
 
     def _apply(self, due: Collection[str]) -> Iterator[Action]:
         wires = tuple(wire for name in due for wire in self.wires_to[name])
@@ -338,36 +260,15 @@ class _Planner:
         if self.fresh:
             yield from self._write(due)
             yield from self._staged(self.fresh, due, "applied")
-            outputs = {end for stage in self.fresh for end in stage.outputs}
+            outputs = {end for stage in self.fresh for end in stage.every_output}
             moved = tuple(wire for wire in wires if wire.source in outputs)
             yield Transfer(moved, "applied")
 
     def _write(self, due: Iterable[str]) -> Iterator[Action]:
         yield from (Write(name, self.written_of[name]) for name in due if name in self.written_of)
 
-    def _steps(self, due: Mapping[str, int]) -> Iterator[Action]:
-        if self.system.algorithm == "jacobi":
-            yield from self._write(due)
-            yield from (Step(name, step_ns) for name, step_ns in due.items())
-            return
-        for name, step_ns in due.items():
-            if self.wires_before[name]:
-                yield Transfer(self.wires_before[name], "reached")
-            yield from self._write([name])
-            yield Step(name, step_ns)
-            if name in self.reached:
-                yield Read(name, self.reached[name], "reached")
-
-    def _wires_from_before(self) -> dict[str, tuple[Wire, ...]]:
-        """By FMU: the wires from those that step before it."""
-        place = {name: i for i, name in enumerate(self.fmus)}
-        return {
-            name: tuple(w for w in self.wires_to[name] if place.get(w.source.component, i) < i)
-            for name, i in place.items()
-        }
-
     def _initial_actions(self) -> Iterator[Action]:
-        yield from self._staged(self.stages, self.fmus)
+        yield from self._staged(self.initial_stages, self.fmus)
         stated = {c.name for c in self.system.components}
         for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
@@ -380,11 +281,27 @@ class _Planner:
         if wires:
             yield Transfer(wires)
             yield from self._write(self.fmus)
+        yield from self.master.begin()
 
 
-def _by_component(ends: Iterable[Endpoint]) -> dict[str, tuple[str, ...]]:
-    """The distinct variables of each component, in order."""
-    grouped: dict[str, dict[str, None]] = {}
-    for end in ends:
-        grouped.setdefault(end.component, {})[end.variable] = None
-    return {name: tuple(variables) for name, variables in grouped.items()}
+def _pass_on(wires: Collection[Wire], view: View) -> Iterator[Action]:
+    if wires:
+        yield Transfer(tuple(wires), view)
+        yield from _writes(wires)
+
+
+def _writes(wires: Iterable[Wire]) -> Iterator[Write]:
+    targets = by_component(wire.target for wire in wires)
+    return (Write(name, inputs) for name, inputs in targets.items())
+
+
+def _reads(ends: Iterable[Endpoint], view: View) -> Iterator[Read]:
+    return (Read(name, outputs, view) for name, outputs in by_component(ends).items())
+
+
+def _solve(wires: tuple[Wire, ...], reads: Iterator[Read], view: View) -> Iterator[Action]:
+    """The reads of an algebraic loop, repeated until they agree with what goes along `wires`."""
+    if wires:
+        yield Iterate(wires, view, (*_writes(wires), *reads))
+    else:
+        yield from reads

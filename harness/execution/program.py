@@ -13,24 +13,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import to_seconds
 from harness.execution import operations as op
 from harness.execution.actions import (
     Action,
+    Blend,
     Compute,
+    Iterate,
+    Keep,
     Linearise,
     Read,
     Record,
+    Restore,
     Sample,
+    Save,
+    Slope,
     Step,
     Transfer,
+    UnlessStop,
     View,
     Write,
+    flat,
 )
 from harness.execution.compile import compile_step
-from harness.execution.layout import FLOAT64, Layout, access, make_layout
+from harness.execution.copying import CopyTable
+from harness.execution.iteration import Iteration, snapshot
+from harness.execution.layout import FLOAT64, Layout, access, make_layout, whole
 from harness.execution.plan import Plan
 from harness.execution.python_block import PythonCallback
 from harness.execution.sensitivity import Linearisation
+from harness.execution.start_values import start_values
 from harness.fmi.instance import FmuInstance
 from harness.system.graph import (
     BlockComponent,
@@ -47,7 +59,8 @@ class Program:
 
     `initial` is the one instant that propagates values during initialisation, `instants` are
     those of a cycle; instants that share their actions share their rows. `owners[i]` is the action
-    behind row i of `code`; `states` are the live states of the blocks by name.
+    behind row i of `code`; `states` are the live states of the blocks by name, `snapshots` the
+    places of pointers to FMU states that the run has to free.
     """
 
     plan: Plan
@@ -65,6 +78,8 @@ class Program:
     signals: list[SignalComponent] = field(default_factory=list)
     states: dict[str, NDArray[np.float64]] = field(default_factory=dict)
     callbacks: dict[str, PythonCallback] = field(default_factory=dict)
+    iterations: dict[Iterate, Iteration] = field(default_factory=dict)
+    snapshots: dict[str, NDArray[np.int64]] = field(default_factory=dict)
     keep: list[Any] = field(default_factory=list)
 
 
@@ -87,15 +102,16 @@ class _Linker:
     ) -> None:
         self.plan = plan
         self.instances = instances
-        descriptions = {name: i.description for name, i in instances.items()}
-        self.layout = make_layout(plan, descriptions)
+        self.descriptions = {name: i.description for name, i in instances.items()}
+        self.layout = make_layout(plan, self.descriptions)
         self.components = {c.name: c for c in plan.lowered.components}
-        distinct = {action for actions in plan.patterns for action in actions}
-        room = sum(map(_ports, distinct | set(plan.initial)))
+        distinct = set(flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]))
+        room = sum(map(self._ports, distinct))
+        solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, (Iterate, Slope)))
         self.program = Program(
             plan,
             self.layout,
-            v=np.zeros(self.layout.size),
+            v=np.zeros(self.layout.size + solving),
             clock=np.zeros(5, dtype=np.int64) if clock is None else clock,
             exchange=np.zeros(8 * (1 + room), dtype=np.uint8),
             recorded=np.array([self.layout.slots[end] for end in plan.recorded], dtype=np.int64),
@@ -103,23 +119,22 @@ class _Linker:
         self.base: int = self.program.v.ctypes.data
         self.exchange_base: int = self.program.exchange.ctypes.data
         self.exchange_used = 0
-        self.copies: list[tuple[int, int]] = []
-        self.scales: list[tuple[float, float]] = []
-        self.shared: dict[Any, list[list[int]]] = {}
+        self.slots_used = self.layout.size
+        self.copies = CopyTable(self.layout)
+        self.shared: dict[Any, list[tuple[list[int], Action]]] = {}
 
     def link(self) -> Program:
         program = self.program
-        for component in self.plan.lowered.sampled:
-            for signal in [*component.inputs, *component.outputs]:
-                program.v[self.layout.slots[Endpoint(component.name, signal.name)]] = signal.start
+        for end, value in start_values(self.plan, self.descriptions).items():
+            program.v[self.layout.slots[end]] = value
         rows: list[list[int]] = []
         spans: dict[int, tuple[int, int]] = {}
         for actions in (self.plan.initial, *self.plan.patterns):
             first = len(rows)
             for action in actions:
-                operations = self.operations(action)
-                rows += operations
-                program.owners += [action] * len(operations)
+                for row, owner in self.operations(action):
+                    rows.append(row)
+                    program.owners.append(owner)
             spans[id(actions)] = (first, len(rows))
         program.code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
         for i, row in enumerate(rows):
@@ -129,20 +144,22 @@ class _Linker:
             [(instant.offset_ns, *spans[id(instant.actions)]) for instant in self.plan.instants],
             dtype=np.int64,
         ).reshape(-1, 3)
-        program.copies = np.array(self.copies, dtype=np.int64).reshape(-1, 2)
-        program.scales = np.array(self.scales, dtype=np.float64).reshape(-1, 2)
+        program.copies, program.scales = self.copies.arrays()
         return program
 
-    def operations(self, action: Action) -> list[list[int]]:
-        """The rows of an action; equal actions share one set of memory."""
+    def operations(self, action: Action) -> list[tuple[list[int], Action]]:
+        """The rows of an action and whose they are; equal actions share one set of memory."""
         if action not in self.shared:
-            self.shared[action] = list(self._operations(action))
+            if isinstance(action, Iterate):
+                self.shared[action] = list(self._iterate(action))
+            else:
+                self.shared[action] = [(row, action) for row in self._operations(action)]
         return self.shared[action]
 
     def _operations(self, action: Action) -> Iterable[list[int]]:
         match action:
             case Transfer():
-                return [self._transfer(action)]
+                return [self.copies.transfer(action)]
             case Sample():
                 return [self._sample(action.component)]
             case Compute():
@@ -157,14 +174,49 @@ class _Linker:
                 return [self._step(action)]
             case Record():
                 return [[op.RECORD]]
+            case Blend():
+                return self.copies.weigh(action)
+            case Slope():
+                return self._slope(action)
+            case Keep():
+                return [self.copies.keep(action)]
+            case Save() | Restore():
+                place = self.program.snapshots.setdefault(action.component, np.zeros(1, np.int64))
+                instance = self.instances[action.component]
+                return [snapshot(instance, place, save=isinstance(action, Save))]
+            case UnlessStop():
+                return [[op.UNLESS_STOP]]
+            case Iterate():
+                raise AssertionError("an iteration has rows of several actions")
 
-    def _transfer(self, action: Transfer) -> list[int]:
-        first = len(self.copies)
-        for wire in action.wires:
-            source = self.layout.slot(wire.source, action.view)
-            self.copies.append((source, self.layout.slots[wire.target]))
-            self.scales.append((wire.factor, wire.offset))
-        return [op.COPY, first, len(self.copies)]
+    def _slope(self, action: Slope) -> Iterable[list[int]]:
+        instance, n = self.instances[action.component], len(action.wires)
+        slopes = range(self.slots_used, self.slots_used + n)
+        self.slots_used += n
+        per_second = 1.0 / to_seconds(action.step_ns)
+        yield from self.copies.weigh(action, slopes, per_second)
+        variables = [instance.description.variable(wire.target.variable) for wire in action.wires]
+        references = np.array([v.value_reference for v in variables], dtype=np.uint32)
+        orders = np.ones(n, dtype=np.int32)
+        self.program.keep += [references, orders]
+        head = [instance.address("SetRealInputDerivatives"), instance.handle or 0]
+        values = self.base + 8 * slopes[0]
+        yield [op.CALL_5, *head, references.ctypes.data, n, orders.ctypes.data, values]
+
+    def _iterate(self, action: Iterate) -> Iterable[tuple[list[int], Action]]:
+        iteration = Iteration(action, self.plan.lowered.system, self.instances, self.slots_used)
+        self.program.iterations[action] = iteration
+        self.slots_used = iteration.last
+        inputs = [self.layout.slots[wire.target] for wire in action.wires]
+        outputs = [self.layout.slot(wire.source, action.view) for wire in action.wires]
+        scales = [(wire.factor, wire.offset) for wire in action.wires]
+        yield self.copies.row(inputs, iteration.assumed), action
+        yield self.copies.row(iteration.assumed, inputs), action
+        body = [pair for inner in action.body for pair in self.operations(inner)]
+        yield from body
+        yield self.copies.row(outputs, iteration.found, scales), action
+        yield iteration.solve(self.base), action
+        yield [op.REPEAT, iteration.first, len(body) + 3], action
 
     def _sample(self, name: str) -> list[int]:
         component = self.components[name]
@@ -229,9 +281,10 @@ class _Linker:
 
         def neighbours(place: tuple[int, Endpoint]) -> tuple[tuple[str, int], int]:
             i, end = place
-            return access(d.variable(end.variable), d.fmi_major), slot(end) - i
+            return access(d.port(end.variable), d.fmi_major), slot(end) - i
 
-        ends = sorted((Endpoint(name, variable) for variable in variables), key=slot)
+        touched = whole((Endpoint(name, variable) for variable in variables), self.descriptions)
+        ends = sorted(touched, key=slot)
 
         for ((suffix, kind), _), group in groupby(enumerate(ends), key=neighbours):
             yield suffix, kind, [end for _, end in group]
@@ -241,16 +294,16 @@ class _Linker:
     ) -> Iterable[list[int]]:
         instance = self.instances[name]
         n = len(ends)
-        references = np.array(
-            [instance.description.variable(end.variable).value_reference for end in ends],
-            dtype=np.uint32,
-        )
+        ports = (instance.description.port(end.variable) for end in ends)
+        distinct = dict.fromkeys(port.value_reference for port in ports)  # an array has one
+        references = np.array(list(distinct), dtype=np.uint32)
         self.program.keep.append(references)
         start = 0
         values = self.base + 8 * first
         if kind != FLOAT64:
             start, values = self._reserve(n * op.ITEM_SIZE[kind])
-        call = [instance.address(verb + suffix), instance.handle or 0, references.ctypes.data, n]
+        call = [instance.address(verb + suffix), instance.handle or 0, references.ctypes.data]
+        call.append(len(references))
         row = [op.CALL_4, *call, values]
         if instance.prefix == "fmi3":
             row = [op.CALL_5, *call, values, n]
@@ -272,20 +325,17 @@ class _Linker:
         instance = self.instances[action.component]
         head = [instance.address("DoStep"), instance.handle or 0, action.step_ns]
         if instance.prefix == "fmi2":
-            return [op.STEP_FMI2, *head]
+            return [op.STEP_FMI2, *head, int(action.final)]
         start, flags = self._reserve(8)
         last = np.zeros(1)
         self.program.keep.append(last)
-        return [op.STEP_FMI3, *head, flags, last.ctypes.data, start]
+        return [op.STEP_FMI3, *head, flags, last.ctypes.data, start, int(action.final)]
 
-
-def _ports(action: Action) -> int:
-    """Room that an action may need in the exchange buffer, in units of 8 bytes."""
-    match action:
-        case Read():
-            return len(action.outputs)
-        case Write():
-            return len(action.inputs)
-        case Step():
-            return 1
-    return 0
+    def _ports(self, action: Action) -> int:
+        """Room that an action may need in the exchange buffer, in units of 8 bytes."""
+        match action:
+            case Read(name, variables) | Write(name, variables):
+                return len(whole((Endpoint(name, v) for v in variables), self.descriptions))
+            case Step():
+                return 1
+        return 0

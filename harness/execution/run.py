@@ -9,6 +9,7 @@ have been handed to the recorder.
 
 from __future__ import annotations
 
+import ctypes
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -34,6 +35,7 @@ from harness.fmi.logger import LogMessage
 from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription
 from harness.instruments.source import named_seed
 from harness.results.columns import Column
+from harness.system.arrays import expand_arrays
 from harness.system.check import check, inputs_of, outputs_of
 from harness.system.graph import Endpoint, FmuComponent, System
 from harness.system.lowering import DelayComponent, lower
@@ -77,6 +79,7 @@ def opened(system: System) -> Iterator[dict[str, Fmu]]:
 def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
     """Check, lower and plan; `record` are patterns of the signals to record."""
     descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    system = expand_arrays(system, descriptions)
     check(system, descriptions)
     recorded = recorded_ports(system, descriptions, record)
     return make_plan(lower(system, descriptions), descriptions, recorded)
@@ -87,7 +90,8 @@ def recorded_ports(
 ) -> tuple[Endpoint, ...]:
     """FMU outputs and connected inputs, block inputs and outputs that match a pattern.
 
-    A pattern with no wildcard may also name any local variable of an FMU. Raises `GraphError`
+    A pattern with no wildcard may also name any local variable of an FMU, or an array, which is
+    recorded element by element. Raises `GraphError`
     where a pattern matches nothing.
     """
     wired = {c.target for c in system.connections}
@@ -98,18 +102,18 @@ def recorded_ports(
         inputs = [Endpoint(c.name, name) for name in inputs_of(c, descriptions)]
         if isinstance(c, FmuComponent):
             d = descriptions[c.name]
-            kinds = {
-                v.name for v in d.variables.values() if v.type in NUMERIC_TYPES and v.size == 1
-            }
+            ports = map(d.port, [*d.variables, *d.elements])
+            kinds = {v.name for v in ports if v.type in NUMERIC_TYPES and not v.dimensions}
             exact += [end for end in readable if end.variable in kinds]
-            causal = {v.name for v in d.outputs}
+            causal = {name for v in d.outputs for name in d.whole(v.name)}
             readable = [e for e in readable if e.variable in causal and e.variable in kinds]
             inputs = [end for end in inputs if end in wired]
         offered += [*readable, *inputs]
     chosen: dict[Endpoint, None] = {}
     for pattern in patterns:
-        found = [end for end in offered if fnmatchcase(str(end), pattern)]
-        found = found or [end for end in exact if str(end) == pattern]
+        every = [*offered, *exact]
+        found = [end for end in every if pattern in (str(end), str(end).partition("[")[0])]
+        found = found or [end for end in offered if fnmatchcase(str(end), pattern)]
         if not found:
             hint = nearest(pattern, [str(end) for end in [*offered, *exact]])
             raise GraphError(f"nothing to record matches {pattern!r}; {hint}")
@@ -165,6 +169,7 @@ def execute(
             program = _initialise(plan, instances, around)
             clock = program.clock
             fault = _loop(program, instances, recorder, progress, around)
+            _free_snapshots(program, instances)
             if fault is None or isinstance(fault, EndRequestedError):
                 for instance in instances.values():
                     instance.terminate()
@@ -213,6 +218,13 @@ def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surrou
     for instance in instances.values():
         instance.exit_initialization_mode()
     return program
+
+
+def _free_snapshots(program: Program, instances: Mapping[str, FmuInstance]) -> None:
+    for name, place in program.snapshots.items():
+        if place[0] and instances[name].alive:
+            instances[name].free_state(ctypes.c_void_p(int(place[0])))
+            place[0] = 0
 
 
 class _Samples:

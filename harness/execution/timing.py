@@ -8,7 +8,7 @@ the two runs is when it got there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +17,20 @@ from numpy.typing import NDArray
 from harness.clock import show
 from harness.execution.actions import (
     Action,
+    Blend,
     Compute,
+    Iterate,
+    Keep,
     Linearise,
     Read,
     Record,
+    Restore,
     Sample,
+    Save,
+    Slope,
     Step,
     Transfer,
+    UnlessStop,
     Write,
 )
 from harness.execution.plan import Plan
@@ -64,8 +71,15 @@ class Arrival:
 def schedule(plan: Plan) -> Iterator[tuple[str, str]]:
     """Pairs (instant, what happens) of one cycle, in order."""
     for instant in plan.instants:
-        for action in instant.actions:
-            yield show(instant.offset_ns) if instant.offset_ns else "0 s", describe(action)
+        for line in _lines(instant.actions):
+            yield show(instant.offset_ns) if instant.offset_ns else "0 s", line
+
+
+def _lines(actions: Iterable[Action], indent: str = "") -> Iterator[str]:
+    for action in actions:
+        yield indent + describe(action)
+        if isinstance(action, Iterate):
+            yield from _lines(action.body, indent + "    ")
 
 
 def describe(action: Action) -> str:
@@ -91,6 +105,24 @@ def describe(action: Action) -> str:
             return f"step {action.component} by {show(action.step_ns)}"
         case Record():
             return "record a row"
+        case Blend():
+            weights = ", ".join(f"{weight:+g} × {view}" for view, weight in action.terms)
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"blend: {action.own:g} × {ends}, {weights} of what drives them"
+        case Slope():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"set the slopes of {ends}"
+        case Keep():
+            return f"keep as previous: {action.component}.{', '.join(action.outputs)}"
+        case Save():
+            return f"save the state of {action.component}"
+        case Restore():
+            return f"restore the state of {action.component}"
+        case UnlessStop():
+            return "end here at the stop time"
+        case Iterate():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"repeat until {ends} agree:"
 
 
 def measure_delays(system: System, fmus: Mapping[str, Fmu]) -> dict[Endpoint, tuple[Arrival, ...]]:

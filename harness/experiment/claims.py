@@ -8,9 +8,10 @@ must lie wholly on one side of the limit, or the claim stays undecided.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -26,25 +27,65 @@ from harness.results.comparison import share
 HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
 UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
 REGION = "region_share"
-"""The metric of a sweep: the share of its points that are inside."""
+"""The metric of a sweep: the share of its points that are inside. Where each point has noise of its
+own, the points count as runs, and the share has an interval."""
 
 
-class TestSpec(Strict):
-    """A figure of an experiment, and the limit that it is held against."""
+@dataclass(frozen=True)
+class Place:
+    """A metric of a variant of an experiment."""
+
+    experiment: str
+    variant: str
+    metric: str
+
+    def __str__(self) -> str:
+        return f"{self.experiment}/{self.variant}: {self.metric}"
+
+
+class CriterionSpec(Strict):
+    """A figure of an experiment, and the limit that it is held against.
+
+    The figure is the `metric` of a `variant`, or its difference to (its `compare = "ratio"` over)
+    another one: that of the variant `against`, of the metric `against_metric`, of the experiment
+    `against_experiment`, each by default the test's own. Both are paired by seed.
+    """
 
     experiment: str
     variant: str
     metric: str
     against: str | None = None
+    against_metric: str | None = None
+    against_experiment: str | None = None
+    compare: Literal["difference", "ratio"] = "difference"
     below: float | None = None
     above: float | None = None
     near: tuple[float, float] | None = None
 
     @model_validator(mode="after")
-    def _one_limit(self) -> TestSpec:
+    def _one_limit(self) -> CriterionSpec:
         if sum(limit is not None for limit in (self.below, self.above, self.near)) != 1:
             raise ValueError("needs exactly one of below, above and near = [value, tolerance]")
+        if self.compare == "ratio" and self.other == self.own:
+            raise ValueError(
+                'compare = "ratio" needs what to compare with: against, against_metric or '
+                "against_experiment"
+            )
         return self
+
+    @property
+    def own(self) -> Place:
+        """Where the figure stands."""
+        return Place(self.experiment, self.variant, self.metric)
+
+    @property
+    def other(self) -> Place:
+        """Where that stands which it is compared with; `own` where it is compared with nothing."""
+        return Place(
+            self.against_experiment or self.experiment,
+            self.against or self.variant,
+            self.against_metric or self.metric,
+        )
 
 
 class ClaimSpec(Strict):
@@ -55,8 +96,8 @@ class ClaimSpec(Strict):
     claim: str
     paper: float | str = ""
     unit: str = ""
-    test: TestSpec | None = None
-    given: TestSpec | None = None
+    test: CriterionSpec | None = None
+    given: CriterionSpec | None = None
     untestable: str | None = None
     reason: str = ""
 
@@ -72,7 +113,7 @@ class ClaimSpec(Strict):
     def _flat(cls, data: object) -> object:
         """The keys of the test may stand in the claim itself."""
         if isinstance(data, dict) and "experiment" in data:
-            names = set(TestSpec.model_fields)
+            names = set(CriterionSpec.model_fields)
             own = {k: v for k, v in data.items() if k not in names}
             return {**own, "test": {k: v for k, v in data.items() if k in names}}
         return data
@@ -147,62 +188,67 @@ def judge(claim: ClaimSpec, evidence: Source) -> Verdict:
     """The verdict on one claim."""
     if claim.test is None:
         return Verdict(claim, UNTESTABLE)
-    ours = figure(claim.test, evidence(claim.test.experiment))
+    ours = figure(claim.test, evidence)
     met = _met(claim.test, ours)
     given = None
     if claim.given is not None:
-        given = figure(claim.given, evidence(claim.given.experiment))
+        given = figure(claim.given, evidence)
         if met is not True and _met(claim.given, given) is True:
             return Verdict(claim, CONDITIONALLY, ours, given)
     return Verdict(claim, {True: HOLDS, False: FAILS, None: UNDECIDED}[met], ours, given)
 
 
-def figure(test: TestSpec, evidence: Evidence) -> Figure:
-    """The figure that a test is about."""
-    if test.metric == REGION:
-        first = _region(test.variant, evidence)
-        value = first if test.against is None else first - _region(test.against, evidence)
-        return Figure(value, value, value, 1)
-    if evidence.study is None:
-        one = _single(test.variant, test, evidence)
-        other = None if test.against is None else _single(test.against, test, evidence)
-        return _summary([one if other is None or one is None else one - other])
-    study = evidence.study
-    values = _values(study, test.variant, test.metric)
-    if test.against is None:
-        if test.metric == LOST:
+def figure(test: CriterionSpec, evidence: Source) -> Figure:
+    """The figure that a test is about; raises `UsageError` for a name that no run has, and where
+    what is to be paired has not the same seeds."""
+    seeds, values = _values(test.own, evidence)
+    if test.other == test.own:
+        if test.metric in (LOST, REGION) and seeds:
             s = share([bool(value) for value in values])
             return Figure(s.share, s.low, s.high, len(values))
         return _summary(values)
-    others = _values(study, test.against, test.metric)
-    pairs = zip(values, others, strict=True)
-    return _summary([None if a is None or b is None else a - b for a, b in pairs])
-
-
-def _values(study: Study, variant: str, metric: str) -> list[float | None]:
-    if variant not in study.runs:
-        raise UsageError(f"{study.experiment.name}: no variant {variant!r}")
-    if all(metric not in run for run in study.runs[variant]):
-        known = {name for run in study.runs[variant] for name in run}
-        raise UsageError(f"{study.experiment.name}: no metric {metric!r}; {nearest(metric, known)}")
-    return study.values(variant, metric)
-
-
-def _single(variant: str, test: TestSpec, evidence: Evidence) -> float | None:
-    if variant not in evidence.metrics:
-        raise UsageError(f"{test.experiment}: no variant {variant!r}")
-    known = evidence.metrics[variant]
-    if test.metric not in known:
+    other_seeds, others = _values(test.other, evidence)
+    if seeds != other_seeds:
         raise UsageError(
-            f"{test.experiment}: no metric {test.metric!r}; {nearest(test.metric, known)}"
+            f"{test.own} and {test.other} cannot be paired: {len(values)} and {len(others)} runs "
+            "of different seeds"
         )
-    return known[test.metric]
+    pairs = zip(values, others, strict=True)
+    return _summary([_compared(a, b, test.compare) for a, b in pairs])
 
 
-def _region(variant: str, evidence: Evidence) -> float:
-    if variant not in evidence.regions:
-        raise UsageError(f"no sweep of variant {variant!r}; {nearest(variant, evidence.regions)}")
-    return evidence.regions[variant].share
+def _compared(first: float | None, second: float | None, how: str) -> float | None:
+    if first is None or second is None:
+        return None
+    if how == "ratio":
+        return first / second if second else None
+    return first - second
+
+
+def _values(place: Place, source: Source) -> tuple[tuple[int, ...], list[float | None]]:
+    """The seeds of a study with the values that belong to them, or () with the one value."""
+    evidence = source(place.experiment)
+    if place.metric == REGION:
+        _known("sweep of variant", place.variant, evidence.regions, place)
+        region = evidence.regions[place.variant]
+        if region.spec.own_seeds:  # each point is a run of its own, and the share an estimate
+            inside = [float(one) for one in region.inside.ravel()]
+            return tuple(range(len(inside))), list(inside)
+        return (), [region.share]
+    runs: Mapping[str, Sequence[Mapping[str, float | None]]]
+    if evidence.study is not None:
+        seeds, runs = evidence.study.seeds, evidence.study.runs
+    else:
+        seeds, runs = (), {variant: (metrics,) for variant, metrics in evidence.metrics.items()}
+    _known("variant", place.variant, runs, place)
+    metrics = {name for own in runs.values() for run in own for name in run}
+    _known("metric", place.metric, metrics, place)
+    return seeds, [run.get(place.metric) for run in runs[place.variant]]
+
+
+def _known(kind: str, name: str, known: Collection[str], place: Place) -> None:
+    if name not in known:
+        raise UsageError(f"{place.experiment}: no {kind} {name!r}; {nearest(name, known)}")
 
 
 def _summary(values: Sequence[float | None], confidence: float = 0.95) -> Figure:
@@ -218,7 +264,7 @@ def _summary(values: Sequence[float | None], confidence: float = 0.95) -> Figure
     return Figure(mean, mean - half, mean + half, len(values), missing)
 
 
-def _met(test: TestSpec, found: Figure) -> bool | None:
+def _met(test: CriterionSpec, found: Figure) -> bool | None:
     """Whether the whole interval meets the limit; None where it lies across. A figure that does
     not exist in most runs (a loop that never settles) meets none."""
     if found.runs == 0 or 2 * found.missing >= max(found.runs, 1) or np.isnan(found.value):

@@ -115,6 +115,8 @@ class Experiment:
         bench = Bench(
             stop_time=spec.stop_time, step=spec.step, start_time=spec.start_time,
             record_step=spec.record_step, record=spec.record, algorithm=spec.algorithm,
+            algebraic_loops=spec.algebraic_loops, coupling_tolerance=spec.coupling_tolerance,
+            max_iterations=spec.max_iterations,
             seed=spec.seed if seed is None else seed, fmi_version=spec.fmi_version,
             portable=spec.portable,
         )  # fmt: skip
@@ -139,7 +141,13 @@ class Experiment:
             else:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
         for target, wire in spec.connections.items():
-            bench.connect(wire.source, target, delay=wire.delay, imperfections=wire.imperfections)
+            bench.connect(
+                wire.source,
+                target,
+                delay=wire.delay,
+                extrapolation=wire.extrapolation,
+                imperfections=wire.imperfections,
+            )
 
     def _with_paths(self, parameters: Table) -> Table:
         """CSV files are named relative to the experiment file."""

@@ -17,6 +17,7 @@ from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures, signals_plot
 from harness.results.result import Result
 from harness.results.step_response import metric_units
+from harness.results.surface_plot import surfaces_plot
 
 Results = Mapping[str, Result]
 
@@ -93,7 +94,10 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
             drawn |= _membership(experiment, results, name, plot)
             continue
         signals = [s for s in plot.signals if any(s in result for result in chosen.values())]
-        if signals:
+        if signals and plot.over is not None:
+            first = next(iter(chosen.values()))
+            drawn[name] = surfaces_plot(first, plot.over, signals, title=plot.title or title)
+        elif signals:
             drawn[name] = gains_plot(chosen, signals, title=plot.title or title)
     return drawn
 

@@ -17,7 +17,7 @@ from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
 
 CLAIMS_FILE = "claims.toml"
-VERDICTS, STUDIES = "verdicts", "studies"
+VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
 """Names of the parts of a paper's README that are filled from runs, between markers."""
 
 Report = Callable[[str, float], None]
@@ -155,6 +155,16 @@ def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
             )
 
 
+def region_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
+    """Rows (experiment, variant, grid, share of points inside), the heading first."""
+    yield "experiment", "variant", "grid", "points inside"
+    for name, evidence in reproduction.evidence.items():
+        label = Experiment.load(reproduction.paper.experiments[name]).label
+        for variant, region in evidence.regions.items():
+            grid = f"{region.spec.x.count} × {region.spec.y.count}"
+            yield name, label(variant), grid, f"{100 * region.share:.1f} %"
+
+
 def _median_of(study: Study, variant: str, metric: str) -> str:
     """The median, or nothing where the experiment has no such metric."""
     return median(study.values(variant, metric)) if _knows(study, metric) else ""
@@ -187,6 +197,8 @@ def update_readme(reproduction: Reproduction) -> Path:
         text = _filled(path, text, VERDICTS, markdown(verdict_rows(reproduction)))
         if any(e.study is not None for e in reproduction.evidence.values()):
             text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
+        if any(e.regions for e in reproduction.evidence.values()):
+            text = _filled(path, text, REGIONS, markdown(region_rows(reproduction)))
         path.write_text(text, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be updated: {fault}") from fault

@@ -88,10 +88,12 @@ ComponentSpec = Annotated[
 
 class ConnectionSpec(Strict):
     """What comes into an input: `from` a port, put on the wire `imperfections` (tables with a
-    `kind`), then a `delay` in seconds. A plain string is the port alone."""
+    `kind`), then a `delay` in seconds; `extrapolation` 1 from FMU to FMU. A plain string is the
+    port alone."""
 
     source: str = Field(alias="from")
     delay: float = 0.0
+    extrapolation: Literal[0, 1] = 0
     imperfections: tuple[dict[str, Any], ...] = ()
 
     @model_validator(mode="before")
@@ -177,10 +179,12 @@ class SweepSpec(Strict):
 
 
 class PlotSpec(Strict):
-    """One picture: `signals` over time, of all variants, in one panel a signal; or the
-    `membership` functions of a controller before and after the run, of the first variant."""
+    """One picture: `signals` over time, of all variants, in one panel a signal; with `over`, as
+    surfaces over two other signals; or the `membership` functions of a controller before and after
+    the run. The latter two are drawn of the first variant."""
 
     signals: tuple[str, ...] = ()
+    over: tuple[str, str] | None = None
     membership: str | None = None
     title: str = ""
     variants: tuple[str, ...] = ()
@@ -241,7 +245,10 @@ class ExperimentSpec(Strict):
     step: float = 0.01
     record_step: float | None = None
     record: tuple[str, ...] = ("*",)
-    algorithm: Literal["jacobi", "gauss-seidel"] = "jacobi"
+    algorithm: Literal["jacobi", "gauss-seidel", "iterative"] = "jacobi"
+    algebraic_loops: Literal["refuse", "solve"] = "refuse"
+    coupling_tolerance: float = Field(default=1e-6, gt=0.0, lt=1.0)
+    max_iterations: int = Field(default=50, ge=2)
     seed: int = Field(default=0, ge=0)
     fmi_version: Literal[2, 3] = 3
     portable: bool = False

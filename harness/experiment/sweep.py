@@ -227,9 +227,8 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
                 for i, y in enumerate(region.spec.y.values):
                     for j, x in enumerate(region.spec.x.values):
                         inside = int(region.inside[i, j])
-                        file.write(
-                            f"{variant},{x!r},{y!r},{float(region.outcome[i, j])!r},{inside}\n"
-                        )
+                        outcome = float(region.outcome[i, j])
+                        file.write(f"{variant},{x!r},{y!r},{outcome!r},{inside}\n")
     except OSError as fault:
         raise RecordingError(f"the sweep cannot be written to {folder}: {fault}") from fault
     return [picture, table]

@@ -107,6 +107,11 @@ class FmuInstance(ABC):
         """Nothing of this FMU is called any more: Fatal corrupts all instances of a library."""
         self._library.corrupted = True
 
+    @property
+    def alive(self) -> bool:
+        """Whether functions of this instance may be called."""
+        return bool(self.handle) and not self._library.corrupted
+
     def _refuse_when_dead(self) -> None:
         if self._library.corrupted:
             raise FmuError(

@@ -7,8 +7,10 @@ refused, so no entity is ever expanded.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +29,8 @@ NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array)."""
+    """A variable of an FMU; `size` is the number of scalars (1, or more for an FMI 3 array of
+    `dimensions`)."""
 
     name: str
     value_reference: int
@@ -43,6 +46,7 @@ class Variable:
     nominal: float | None
     size: int = 1
     derivative_of: str | None = None
+    dimensions: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,7 @@ class Capabilities:
     fixed_internal_step_size: float | None = None
     has_event_mode: bool = False
     max_output_derivative_order: int = 0
+    can_interpolate_inputs: bool = False
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,8 @@ class ModelDescription:
     """Identity, capabilities, variables and structure of an FMU.
 
     `feedthrough` maps an output's name to the inputs on which it depends directly, or to None
-    where the FMU does not say (then it may depend on all). `states` are the names of the
+    where the FMU does not say (then it may depend on all); `initial_feedthrough` holds those
+    outputs for which it says something else for the initialisation. `states` are the names of the
     continuous states with their derivatives' names, in the order of the model structure.
     """
 
@@ -85,6 +91,7 @@ class ModelDescription:
     stop_time: float | None
     step_size: float | None
     tolerance: float | None
+    initial_feedthrough: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def fmi_major(self) -> int:
@@ -101,6 +108,34 @@ class ModelDescription:
         """The output variables in the order of the file."""
         return tuple(v for v in self.variables.values() if v.causality == "output")
 
+    @cached_property
+    def elements(self) -> Mapping[str, tuple[Variable, int]]:
+        """Array and place (from 0, the last index fastest) of each element: "a[1]", "a[2,3]"."""
+        return {
+            name: (variable, place)
+            for variable in self.variables.values()
+            if variable.dimensions
+            for place, name in enumerate(element_names(variable))
+            if name not in self.variables
+        }
+
+    def port(self, name: str) -> Variable:
+        """The variable of that name, or the element of an array as a variable of its own.
+
+        Raises `FmuError` like `variable`.
+        """
+        if name not in self.elements:
+            return self.variable(name)
+        array, place = self.elements[name]
+        starts = str(array.start).split() if array.start is not None else []
+        start = starts[place if len(starts) > 1 else 0] if starts else None
+        return replace(array, name=name, size=1, dimensions=(), start=start)
+
+    def whole(self, name: str) -> tuple[str, ...]:
+        """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
+        array = self.elements[name][0] if name in self.elements else self.variables.get(name)
+        return element_names(array) if array is not None and array.dimensions else (name,)
+
     def variable(self, name: str) -> Variable:
         """The variable of that name; raises `FmuError` with the nearest legal names."""
         try:
@@ -108,6 +143,12 @@ class ModelDescription:
         except KeyError:
             hint = nearest(name, self.variables)
             raise FmuError(f"FMU {self.name} has no variable {name!r}; {hint}") from None
+
+
+def element_names(array: Variable) -> tuple[str, ...]:
+    """The names of an array's elements in the order of their values; indices begin at 1."""
+    indices = product(*(range(1, 1 + length) for length in array.dimensions))
+    return tuple(f"{array.name}[{','.join(map(str, index))}]" for index in indices)
 
 
 def read_model_description(folder: Path, source: Path) -> ModelDescription:
@@ -177,13 +218,19 @@ def _adapt(d: Any, directional: frozenset[str]) -> ModelDescription:
         stop_time=_number(experiment and experiment.stopTime),
         step_size=_number(experiment and experiment.stepSize),
         tolerance=_number(experiment and experiment.tolerance),
+        initial_feedthrough={
+            u.variable.name: tuple(_feedthrough(u, variables) or ())
+            for u in d.initialUnknowns
+            if u.variable is not None and u.dependencies is not None
+        },
     )
 
 
 def _variable(v: Any) -> Variable:
-    size = 1
-    for dimension in v.dimensions:
-        size *= int(dimension.start if dimension.variable is None else dimension.variable.start)
+    dimensions = tuple(
+        int(dimension.start if dimension.variable is None else dimension.variable.start)
+        for dimension in v.dimensions
+    )
     declared = v.declaredType
     return Variable(
         name=v.name,
@@ -198,7 +245,8 @@ def _variable(v: Any) -> Variable:
         minimum=_number(v.min),
         maximum=_number(v.max),
         nominal=_number(v.nominal),
-        size=size,
+        size=prod(dimensions),
+        dimensions=dimensions,
         derivative_of=v.derivative.name if v.derivative is not None else None,
     )
 
@@ -224,6 +272,7 @@ def _capabilities(c: Any, directional: bool) -> Capabilities | None:
         fixed_internal_step_size=_number(getattr(c, "fixedInternalStepSize", None)),
         has_event_mode=bool(getattr(c, "hasEventMode", False)),
         max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
+        can_interpolate_inputs=bool(getattr(c, "canInterpolateInputs", False)),
     )
 
 

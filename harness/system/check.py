@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 from harness.clock import show
 from harness.errors import GraphError, UnitError, nearest
-from harness.fmi.model_description import NUMERIC_TYPES, ModelDescription, Variable
+from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, ModelDescription, Variable
 from harness.system.graph import (
+    ALGEBRAIC_LOOPS,
     ALGORITHMS,
     Component,
     Connection,
+    Convergence,
     Endpoint,
     FmuComponent,
     SensitivityComponent,
@@ -42,7 +44,7 @@ def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, Po
     """The variables of a component that may be the source of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in d.variables.values() if v.causality in _READABLE}
+        return {v.name: _info(v, d) for v in _ports(d) if v.causality in _READABLE}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.outputs
@@ -53,7 +55,7 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     """The variables of a component that may be the target of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in d.variables.values() if _writable(v)}
+        return {v.name: _info(v, d) for v in _ports(d) if _writable(v)}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.inputs
@@ -73,6 +75,10 @@ def check(system: System, descriptions: Descriptions) -> None:
 def _component_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
     if system.algorithm not in ALGORITHMS:
         yield f"algorithm {system.algorithm!r} is unknown; {nearest(system.algorithm, ALGORITHMS)}"
+    if system.algebraic_loops not in ALGEBRAIC_LOOPS:
+        hint = nearest(system.algebraic_loops, ALGEBRAIC_LOOPS)
+        yield f"algebraic_loops {system.algebraic_loops!r} is unknown; {hint}"
+    yield from _convergence_faults(system.convergence)
     if system.stop_ns <= system.start_ns:
         yield f"stop time {show(system.stop_ns)} is not after start time {show(system.start_ns)}"
     for name, count in Counter(c.name for c in system.components).items():
@@ -84,6 +90,13 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
             yield from _fmu_faults(component, descriptions[component.name])
         elif isinstance(component, SensitivityComponent):
             yield from _sensitivity_faults(component, names, descriptions)
+
+
+def _convergence_faults(convergence: Convergence) -> Iterator[str]:
+    if not 0.0 < convergence.tolerance < 1.0:
+        yield f"coupling tolerance {convergence.tolerance:g} must lie between 0 and 1"
+    if convergence.max_iterations < 2:
+        yield f"max_iterations {convergence.max_iterations} must be at least 2"
 
 
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
@@ -135,9 +148,16 @@ def _wire_faults(
         yield f"{label}: delay {show(connection.delay_ns)} is negative"
     if len(infos) == 2:
         yield from _type_faults(label, infos[0], infos[1])
+        yield from _extrapolation_faults(label, system, connection, infos)
 
 
 def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str]:
+    if "[" in source.type + target.type:
+        yield (
+            f"{label}: {source.type} to {target.type}: arrays are wired whole where their "
+            "dimensions are equal, or by element, as in a[1]"
+        )
+        return
     for info in (source, target):
         if info.type not in NUMERIC_TYPES:
             yield f"{label}: type {info.type} cannot be wired; numbers and booleans can"
@@ -146,6 +166,24 @@ def _type_faults(label: str, source: PortInfo, target: PortInfo) -> Iterator[str
         conversion(source.unit, target.unit)
     except UnitError as fault:
         yield f"{label}: {fault}"
+
+
+def _extrapolation_faults(
+    label: str, system: System, connection: Connection, infos: list[PortInfo]
+) -> Iterator[str]:
+    if connection.extrapolation not in (0, 1):
+        order = connection.extrapolation
+        yield f"{label}: extrapolation {order!r} is neither 0 (hold) nor 1 (linear)"
+    if connection.extrapolation != 1:
+        return
+    ends = (connection.source, connection.target)
+    if not all(isinstance(system.component(end.component), FmuComponent) for end in ends):
+        yield f"{label}: only a wire from FMU to FMU can be extrapolated; what blocks write is held"
+    elif connection.delay_ns or connection.imperfections:
+        yield f"{label}: a wire with a delay or with imperfections cannot be extrapolated"
+    elif not all(info.type in REAL_TYPES for info in infos):
+        kinds = " to ".join(info.type for info in infos)
+        yield f"{label}: only real numbers can be extrapolated, not {kinds}"
 
 
 def _wiring_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
@@ -173,16 +211,22 @@ def _optional(component: Component, name: str) -> bool:
     return any(s.name == name and getattr(s, "optional", False) for s in component.inputs)
 
 
+def _ports(d: ModelDescription) -> Iterator[Variable]:
+    """Variables, and the elements of arrays."""
+    yield from d.variables.values()
+    yield from map(d.port, d.elements)
+
+
 def _writable(v: Variable) -> bool:
     return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
 
 
 def _info(v: Variable, d: ModelDescription) -> PortInfo:
     start = 0.0
-    if v.type in NUMERIC_TYPES and v.start is not None and v.size == 1:
+    if v.type in NUMERIC_TYPES and v.start is not None and not v.dimensions:
         text = str(v.start).lower()
         start = float(text in ("true", "1")) if v.type == "Boolean" else float(text)
-    kind = v.type if v.size == 1 else f"{v.type}[{v.size}]"
+    kind = f"{v.type}[{','.join(map(str, v.dimensions))}]" if v.dimensions else v.type
     return PortInfo(_stated(v.unit, d.units), kind, start, v.description)
 
 

@@ -111,20 +111,37 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Connection:
-    """A wire: what is put on it, in order, then a delay after which the value arrives."""
+    """A wire: what is put on it, in order, then a delay after which the value arrives.
+
+    `extrapolation` is the order of what an FMU sees of another one during a step: 0 holds the
+    value, 1 takes it to change linearly (see `execution.master`).
+    """
 
     source: Endpoint
     target: Endpoint
     delay_ns: int = 0
     imperfections: tuple[Imperfection, ...] = ()
+    extrapolation: int = 0
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """When a repetition has converged: every signal to `tolerance` times the larger of its size
+    and its nominal value, after at most `max_iterations` repetitions."""
+
+    tolerance: float = 1e-6
+    max_iterations: int = 50
 
 
 @dataclass(frozen=True)
 class System:
     """Components, connections, times and the algorithm that couples the FMUs.
 
-    `algorithm` is "jacobi" or "gauss-seidel"; in the latter FMUs step in the order in which they
-    stand in `components`. A row is recorded every `record_ns`.
+    `algorithm` is "jacobi", "gauss-seidel" (FMUs step in the order in which they stand in
+    `components`) or "iterative" (FMUs that drive each other repeat a step until it agrees with
+    what they reach). `algebraic_loops` says whether loops of direct feedthrough are an error
+    ("refuse") or solved ("solve"); the iterative algorithm always solves them. `convergence` is
+    that of both. A row is recorded every `record_ns`.
     """
 
     components: tuple[Component, ...]
@@ -134,6 +151,13 @@ class System:
     record_ns: int
     algorithm: str = "jacobi"
     seed: int = 0
+    algebraic_loops: str = "refuse"
+    convergence: Convergence = Convergence()
+
+    @property
+    def solves_loops(self) -> bool:
+        """Whether loops of direct feedthrough are solved."""
+        return self.algorithm == "iterative" or self.algebraic_loops == "solve"
 
     def component(self, name: str) -> Component:
         """The component of that name; raises KeyError."""
@@ -149,4 +173,5 @@ class System:
         return tuple(c for c in self.components if isinstance(c, FmuComponent))
 
 
-ALGORITHMS = ("jacobi", "gauss-seidel")
+ALGORITHMS = ("jacobi", "gauss-seidel", "iterative")
+ALGEBRAIC_LOOPS = ("refuse", "solve")

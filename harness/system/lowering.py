@@ -43,12 +43,13 @@ class DelayComponent(BlockComponent):
 
 @dataclass(frozen=True)
 class Wire:
-    """A plain wire: target = factor * source + offset."""
+    """A plain wire: target = factor * source + offset; a `linear` one is extrapolated."""
 
     source: Endpoint
     target: Endpoint
     factor: float = 1.0
     offset: float = 0.0
+    linear: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,9 @@ def lower(system: System, descriptions: Descriptions) -> LoweredSystem:
         factor, offset = conversion(
             source[connection.source.variable].unit, target[connection.target.variable].unit
         )
+        linear = connection.extrapolation == 1
         components += chain.made
-        wires += [*chain.wires, Wire(chain.end, connection.target, factor, offset)]
+        wires += [*chain.wires, Wire(chain.end, connection.target, factor, offset, linear)]
     return LoweredSystem(system, tuple(components), tuple(wires))
 
 

@@ -39,6 +39,6 @@ def test_every_level_of_noise_lowers_the_gain():
     assert factors[0] > 0.9 and factors[-1] < 0.15
 
 
-def test_the_ripple_under_strong_noise_is_half_that_of_the_fixed_gain():
+def test_adaptation_removes_a_third_of_the_ripple_under_strong_noise():
     for level in (0.003, 0.006):
         assert steady(level, "adaptive")[2] < 0.65 * steady(level, "fixed")[2]

@@ -14,13 +14,18 @@ from fmus.disturbance_generator.model import plant as disturbance_generator
 from fmus.electro_hydraulic_servo.model import plant as electro_hydraulic_servo
 from fmus.hybrid_actuator.model import plant as hybrid_actuator
 from fmus.linearization import parameter_values, plant_functions
+from fmus.oscillator_left.model import plant as oscillator_left
+from fmus.oscillator_right.model import plant as oscillator_right
 from fmus.plant import Plant
 from fmus.single_machine_infinite_bus.model import plant as single_machine_infinite_bus
 from fmus.two_mass_drive.model import plant as two_mass_drive
 
 Array = NDArray[np.float64]
 AXES = (hybrid_actuator, disturbance_generator)
-PLANTS = (*AXES, electro_hydraulic_servo, single_machine_infinite_bus, two_mass_drive)
+PLANTS = (
+    *AXES, electro_hydraulic_servo, single_machine_infinite_bus, two_mass_drive, oscillator_left,
+    oscillator_right,
+)  # fmt: skip
 SAMPLE_TIME = 0.01
 
 STATE_RANGES = {
@@ -57,6 +62,9 @@ INPUT_RANGES = {
     "torque_reference": (-4.0, 4.0),
     "load_torque": (-1.5, 1.5),
     "load_time_constant": (0.01, 1.0),
+    "coupling_force": (-20.0, 20.0),
+    "left_position": (-0.2, 0.2),
+    "left_velocity": (-2.0, 2.0),
 }
 
 

@@ -23,6 +23,8 @@ from tests.fmus.plants.bench import (
     disturbance_generator,
     electro_hydraulic_servo,
     hybrid_actuator,
+    oscillator_left,
+    oscillator_right,
     single_machine_infinite_bus,
     two_mass_drive,
 )
@@ -62,12 +64,24 @@ def drive_inputs(t: float) -> tuple[float, ...]:
     return torque, 0.5 if t >= 0.15 else 0.0, 0.203 if t < 0.25 else 0.406
 
 
+def left_inputs(t: float) -> tuple[float, ...]:
+    """A pulse of the force, then a swing near resonance."""
+    return (20.0 if t < 0.1 else 5.0 * sin(10 * t),)
+
+
+def right_inputs(t: float) -> tuple[float, ...]:
+    """The left mass is pulled aside, then swings."""
+    return (0.05, 0.0) if t < 0.1 else (0.1 * sin(10 * t), cos(10 * t))
+
+
 CASES: tuple[tuple[Plant, Callable[[float], tuple[float, ...]]], ...] = (
     (hybrid_actuator, hybrid_inputs),
     (disturbance_generator, generator_inputs),
     (electro_hydraulic_servo, servo_inputs),
     (single_machine_infinite_bus, machine_inputs),
     (two_mass_drive, drive_inputs),
+    (oscillator_left, left_inputs),
+    (oscillator_right, right_inputs),
 )
 
 

@@ -3,14 +3,15 @@
 A model holds one real state s, inputs u_j and outputs y_i:
 
     y_i = c_i s + sum of (1 + j) / 8 u_j over the inputs on which y_i depends directly
-    step of h at t:  s <- 0.9 s + h sum of (1 + j) u_j + t / 64
+    step of h at t:  s <- 0.9 s + h sum of (1 + j) (u_j + h / 2 * slope of u_j) + t / 64
 
 Integers are rounded, booleans are y_i > 0. The reference simulation calls the models directly.
 """
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import Any, Self
 
 from harness.fmi.logger import LogMessage, MessageLog
@@ -50,6 +51,7 @@ class Input:
     name: str
     type: str = "Real"
     unit: str | None = None
+    size: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,24 @@ class Output:
     gain: float = 1.0
     depends: tuple[str, ...] = ()
     unit: str | None = None
+    size: int = 0
+
+
+def scalars(port: Input | Output, inputs: tuple[Input, ...] = ()) -> list[Any]:
+    """A port, or the elements of an array, whose gains are multiples of the first one's."""
+    if isinstance(port, Output):
+        arrays = {one.name: [part.name for part in scalars(one)] for one in inputs}
+        depends = tuple(name for array in port.depends for name in arrays[array])
+        port = replace(port, depends=depends)
+    if not port.size:
+        return [port]
+    more = [{"gain": port.gain * i} if isinstance(port, Output) else {} for i in places(port)]
+    names = [f"{port.name}[{i}]" for i in places(port)]
+    return [replace(port, name=n, size=0, **m) for n, m in zip(names, more, strict=True)]
+
+
+def places(port: Input | Output) -> range:
+    return range(1, 1 + port.size)
 
 
 @dataclass
@@ -70,6 +90,7 @@ class Model:
     state: float = 1.0
     values: dict[str, float] = field(default_factory=dict)
     steps: list[tuple[float, float]] = field(default_factory=list)
+    slopes: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.values = {port.name: 0.0 for port in self.inputs}
@@ -91,32 +112,43 @@ class Model:
     def step(self, time: float, step: float) -> None:
         total = 0.0
         for j, port in enumerate(self.inputs):
-            total += (1 + j) * self.values[port.name]
+            value = self.values[port.name]
+            if port.name in self.slopes:
+                value += step / 2 * self.slopes[port.name]
+            total += (1 + j) * value
         self.state = 0.9 * self.state + step * total + time / 64
         self.steps.append((time, step))
 
 
 def variable(name: str, reference: int, kind: str, causality: str, **more: Any) -> Variable:
     fixed = {"initial": None, "start": "0", "unit": None, "description": "", "minimum": None,
-             "maximum": None, "nominal": None}  # fmt: skip
+             "maximum": None, "nominal": None, "size": 1, "dimensions": ()}  # fmt: skip
     return Variable(name, reference, kind, causality, "continuous", **{**fixed, **more})
 
 
-def describe(name: str, fmi_major: int, model: Model, **capabilities: Any) -> ModelDescription:
+def describe(
+    name: str, fmi_major: int, model: Any, states: bool = False, **capabilities: Any
+) -> ModelDescription:
     """The model description of a mock."""
     variables = [
         variable(port.name, 10 + i, port.type, "input" if isinstance(port, Input) else "output",
-                 unit=port.unit)
+                 unit=port.unit, size=port.size or 1, dimensions=(port.size,) * bool(port.size))
         for i, port in enumerate((*model.inputs, *model.outputs))
     ]  # fmt: skip
     units: dict[str, Unit] = {}
     return ModelDescription(
         name=name, fmi_version=f"{fmi_major}.0", token="", description="", generation_tool="",
-        co_simulation=Capabilities(name, False, False, False, False, False, **capabilities),
+        co_simulation=Capabilities(name, states, False, False, False, False, **capabilities),
         model_exchange=None, variables={v.name: v for v in variables}, units=units,
         feedthrough={port.name: port.depends for port in model.outputs}, states=(),
         start_time=None, stop_time=None, step_size=None, tolerance=None,
     )  # fmt: skip
+
+
+def description_can_repeat(description: ModelDescription) -> bool:
+    """Whether steps of the FMU may be undone."""
+    capabilities = description.co_simulation
+    return capabilities is not None and capabilities.can_get_and_set_fmu_state
 
 
 class MockInstance:
@@ -132,7 +164,10 @@ class MockInstance:
         self.statuses, self.hook, self.flags = fmu.statuses, fmu.hook, fmu.flags
         self.dead, self.ended = False, False
         self._names = {v.value_reference: v.name for v in self.description.variables.values()}
+        self._parts = {r: self.description.whole(name) for r, name in self._names.items()}
         self._functions: dict[str, Any] = {}
+        self.snapshots: dict[int, tuple[float, dict[str, float]]] = {}
+        self.repeats = description_can_repeat(self.description)
 
     def address(self, name: str) -> int:
         if name not in self._functions:
@@ -145,15 +180,20 @@ class MockInstance:
         if name == "DoStep":
             flags = (p, p, p, p) if fmi3 else ()
             return ctypes.CFUNCTYPE(c, p, d, d, ctypes.c_bool, *flags)(self._do_step)
+        if name[1:].lower() == "etfmustate":
+            return ctypes.CFUNCTYPE(c, p, p)(self._get_state if name[0] == "G" else self._set_state)
+        if name == "SetRealInputDerivatives":
+            return ctypes.CFUNCTYPE(c, p, p, n, p, p)(self._set_slopes)
         kind = name[3:]
         ctype = C_TYPES.get(kind, ctypes.c_uint8 if fmi3 else ctypes.c_int32)
 
         def transfer(handle: int, references: int, count: int, values: int, *size: int) -> int:
-            assert handle == 4242 and all(one == count for one in size)
-            names = [self._names[r] for r in (ctypes.c_uint32 * count).from_address(references)]
-            data = (ctype * count).from_address(values)
+            given = (ctypes.c_uint32 * count).from_address(references)
+            names = [name for reference in given for name in self._parts[reference]]
+            assert handle == 4242 and all(one == len(names) for one in size)
+            data = (ctype * len(names)).from_address(values)
             for i, variable_name in enumerate(names):
-                assert self.description.variable(variable_name).type in (kind, "Enumeration")
+                assert self.description.port(variable_name).type in (kind, "Enumeration")
                 if name.startswith("Set"):
                     self.model.set(variable_name, float(data[i]))
                 else:
@@ -164,12 +204,41 @@ class MockInstance:
         return ctypes.CFUNCTYPE(c, p, p, n, p, *((n,) if fmi3 else ()))(transfer)
 
     def _do_step(self, handle: int, time: float, step: float, keep: bool, *flags: int) -> int:
-        assert handle == 4242 and keep
+        assert handle == 4242 and (keep or self.repeats)
         if flags:
             for place, flag in zip(flags[:3], self.flags(time), strict=True):
                 ctypes.c_uint8.from_address(place).value = flag
         self.model.step(time, step)
         return self._status("DoStep")
+
+    def _set_slopes(
+        self, handle: int, references: int, count: int, orders: int, values: int
+    ) -> int:
+        assert list((ctypes.c_int32 * count).from_address(orders)) == [1] * count
+        data = (ctypes.c_double * count).from_address(values)
+        for i, reference in enumerate((ctypes.c_uint32 * count).from_address(references)):
+            self.model.slopes[self._names[reference]] = data[i]
+        return self._status("SetRealInputDerivatives")
+
+    def _get_state(self, handle: int, place: int) -> int:
+        """Always a new pointer, as the standard allows."""
+        pointer = ctypes.c_int64.from_address(place)
+        self.snapshots.pop(pointer.value, None)
+        self.issued = pointer.value = getattr(self, "issued", 16) + 16
+        self.snapshots[pointer.value] = (self.model.state, dict(self.model.values))
+        return self._status("GetState")
+
+    def _set_state(self, handle: int, pointer: int) -> int:
+        self.model.state, values = self.snapshots[pointer]
+        self.model.values = dict(values)
+        return self._status("SetState")
+
+    def free_state(self, state: ctypes.c_void_p) -> None:
+        del self.snapshots[state.value or 0]
+
+    @property
+    def alive(self) -> bool:
+        return not self.dead
 
     def _status(self, name: str) -> int:
         assert not self.dead, f"{name} called after Fatal"
@@ -217,10 +286,14 @@ class MockFmu:
         fmi_major: int = 2,
         state: float = 1.0,
         kind: Callable[..., Model] = Model,
+        states: bool = False,
         **capabilities: Any,
     ) -> None:
-        self.model = lambda: kind(inputs, outputs, state)
-        self.description = describe("mock", fmi_major, self.model(), **capabilities)
+        elements = tuple(part for port in inputs for part in scalars(port))
+        made = tuple(part for port in outputs for part in scalars(port, inputs))
+        self.model = lambda: kind(elements, made, state)
+        ports = SimpleNamespace(inputs=inputs, outputs=outputs)
+        self.description = describe("mock", fmi_major, ports, states, **capabilities)
         self.instances: list[MockInstance] = []
         self.statuses: dict[str, int] = {}
         self.hook: Callable[[MockInstance, str], None] = lambda instance, name: None

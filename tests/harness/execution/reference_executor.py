@@ -13,7 +13,7 @@ from harness.execution import operations as op
 FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16: "H",
            op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
            op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
-ARGUMENTS = {op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9}
+ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9}
 
 
 def call(address: int, *arguments: Any) -> int:
@@ -37,11 +37,19 @@ class Executor:
                 if now > stop:
                     continue
                 self.clock[1] = now
-                for index in range(first, end):
+                index = first
+                while index < end:
                     self.clock[3] = index
-                    outcome = self.execute(now, stop, [int(x) for x in program[index]])
+                    code, *o = (int(x) for x in program[index])
+                    if code == op.UNLESS_STOP and now >= stop:
+                        break
+                    if code == op.REPEAT and self.v[o[0]] != 0 and not math.isnan(self.v[o[0]]):
+                        index -= o[1]
+                        continue
+                    outcome = self.execute(now, stop, [code, *o])
                     if outcome:
                         return outcome
+                    index += 1
             self.clock[0] += 1
         return op.OK
 
@@ -50,6 +58,13 @@ class Executor:
         if code == op.COPY:
             for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
                 self.v[target] = float(factor) * float(self.v[source]) + float(offset)
+        elif code == op.ADD:
+            for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
+                self.v[target] += float(factor) * float(self.v[source]) + float(offset)
+        elif code == op.REPEAT:
+            return op.NOT_CONVERGED if math.isnan(self.v[o[0]]) else op.OK
+        elif code == op.CALL_2_AT:
+            return self.status(call(o[0], o[1], ctypes.c_int64.from_address(o[2]).value))
         elif code == op.SAMPLE:
             self.v[o[1]] = self.samples[self.cursors[o[0]]]
             self.cursors[o[0]] += 1
@@ -71,7 +86,7 @@ class Executor:
     def step(self, now: int, stop: int, code: int, o: list[int]) -> int:
         if now + o[2] > stop:
             return op.OK
-        head = (o[0], o[1], now / 10**9, o[2] / 10**9, 1)
+        head = (o[0], o[1], now / 10**9, o[2] / 10**9, o[3 if code == op.STEP_FMI2 else 6])
         if code == op.STEP_FMI2:
             return self.status(call(*head))
         status = call(*head, o[3], o[3] + 1, o[3] + 2, o[4])

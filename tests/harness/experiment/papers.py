@@ -46,6 +46,8 @@ Between them.
 <!-- studies: begin -->
 forgotten
 <!-- studies: end -->
+<!-- regions: begin -->
+<!-- regions: end -->
 The end.
 """
 
