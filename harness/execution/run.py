@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from harness.clock import to_seconds
 from harness.errors import FmuError, GraphError, HarnessError, SimulationError, nearest
 from harness.execution import operations as op
+from harness.execution import surroundings as usual_surroundings
 from harness.execution.faults import EndRequestedError, explain
 from harness.execution.loop import CYCLE, ROWS, run_cycles
 from harness.execution.plan import Plan, make_plan
@@ -40,7 +41,6 @@ from harness.system.graph import Endpoint, FmuComponent, System
 from harness.system.lowering import DelayComponent, lower
 
 _FIRST_CHUNK = 64
-_CHUNK_ROWS = 16384
 _CHUNK_SECONDS = 0.05
 _SKIPPED = 4096  # cycles whose samples are drawn at once when a run begins in the middle
 
@@ -157,7 +157,7 @@ def execute(
     FMUs are asked for `logging` where it is true, or None and there is an `echo`.
     """
     began = time.perf_counter()
-    around = surroundings or Surroundings()
+    around = surroundings or usual_surroundings.usual()
     verbose = echo is not None if logging is None else logging
     with ExitStack() as stack:
         instances: dict[str, FmuInstance] = {}
@@ -277,8 +277,9 @@ def _loop(
     n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
     rows_per_cycle = cycle_ns // system.record_ns
     samples = _Samples(program)
-    around.most_rows(max(_CHUNK_ROWS, rows_per_cycle), len(program.recorded))
-    chunk = 1 if rows_per_cycle > _CHUNK_ROWS else min(_FIRST_CHUNK, _CHUNK_ROWS // rows_per_cycle)
+    most = max(around.chunk_rows(len(program.recorded)), rows_per_cycle)
+    around.most_rows(most, len(program.recorded))
+    chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
     cycle = around.begin(program, instances)
     samples.skip(cycle)
     while cycle < n_cycles:
@@ -303,7 +304,7 @@ def _loop(
             progress(min(1.0, cycle / n_cycles))
         around.between(cycle)
         if time.perf_counter() - began < _CHUNK_SECONDS:
-            chunk = max(1, min(2 * chunk, _CHUNK_ROWS // rows_per_cycle))
+            chunk = max(1, min(2 * chunk, most // rows_per_cycle))
         else:
             chunk = max(1, chunk // 2)
     return None

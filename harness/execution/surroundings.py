@@ -17,6 +17,8 @@ from harness.fmi.instance import FmuInstance
 if TYPE_CHECKING:
     from harness.execution.program import Program
 
+_CHUNK_ROWS = 16384
+
 Times = NDArray[np.int64]
 Rows = NDArray[np.float64]
 
@@ -28,6 +30,10 @@ class Surroundings:
         self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)
         self._times: Times = np.empty(0, dtype=np.int64)
         self._rows: Rows = np.empty((0, 0))
+
+    def chunk_rows(self, columns: int) -> int:
+        """How many rows a chunk may have, where a cycle has no more."""
+        return _CHUNK_ROWS
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
         """Memory for the next chunk: times (ns) and rows, at least `rows` of them.
@@ -54,3 +60,7 @@ class Surroundings:
 
     def between(self, cycle: int) -> None:
         """A chunk is done and recorded, `cycle` is next; may raise to end the run."""
+
+
+usual: type[Surroundings] = Surroundings
+"""What a run stands in that is given nothing else."""

@@ -15,7 +15,8 @@ from multiprocessing import get_context
 from typing import Self, TypeVar
 
 from harness.errors import SimulationError
-from harness.supervision.process import already_isolated
+from harness.supervision.limits import CALL_SECONDS
+from harness.supervision.watchdog import watch_over_calls
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
@@ -29,8 +30,11 @@ class Workers:
     what they have loaded and compiled. A context manager; one worker works here, unless all is
     to be `isolated` from this process."""
 
-    def __init__(self, jobs: int = 0, *, isolated: bool = False) -> None:
-        """Starts nothing."""
+    def __init__(
+        self, jobs: int = 0, *, isolated: bool = False, call: float = CALL_SECONDS
+    ) -> None:
+        """Starts nothing. `call`: seconds that a call into an FMU may take."""
+        self._call = call
         self.count = jobs or os.cpu_count() or 1
         self._here = self.count <= 1 and not isolated
         self._pool: ProcessPoolExecutor | None = None
@@ -46,10 +50,10 @@ class Workers:
         tasks must be picklable. The first task is done before the others begin, so that what it
         builds and compiles is there for all.
 
-        When a process dies, as a crashing FMU makes it, the tasks that may have been at it are
-        done here by `careful`, which must withstand it; the others go on in new processes. Without
-        it `SimulationError` is raised. Tasks not yet begun are dropped when the caller stops
-        asking.
+        When a process dies, as an FMU that crashes or hangs makes it, the tasks that may have been
+        at it are done here by `careful`, which must withstand it; the others go on in new
+        processes. Without it `SimulationError` is raised. Tasks not yet begun are dropped when the
+        caller stops asking.
         """
         if self._here:
             for task in tasks:
@@ -92,7 +96,10 @@ class Workers:
     ) -> dict[Future[Outcome], Task]:
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
-                self.count, mp_context=get_context("spawn"), initializer=already_isolated
+                self.count,
+                mp_context=get_context("spawn"),
+                initializer=watch_over_calls,
+                initargs=(self._call,),
             )
         with _defaults(dict.fromkeys(ONE_THREAD, "1")):  # processes start at a submission
             return {self._pool.submit(function, task): task for task in tasks}

@@ -92,7 +92,7 @@ def take(
 ) -> Snapshot:
     """The state of a run before `cycle`; raises `FmuError` where an FMU refuses."""
     fmus = {name: instance.serialized_state() for name, instance in instances.items()}
-    arrays = program.v, program.exchange, program.states
+    arrays = program.v, program.exchange, _memories(program)
     return Snapshot(cycle, rows, now_ns, *arrays, fmus, made_of)
 
 
@@ -102,8 +102,15 @@ def restore(program: Program, instances: Mapping[str, FmuInstance], snapshot: Sn
         instances[name].restore_state(content)
     program.v[:] = snapshot.v
     program.exchange[:] = snapshot.exchange
+    memories = _memories(program)
     for name, state in snapshot.blocks.items():
-        program.states[name][:] = state
+        memories[name][:] = state
+
+
+def _memories(program: Program) -> dict[str, NDArray[np.float64]]:
+    """All arrays that compiled code keeps from one instant to another, by name."""
+    iterations = enumerate(program.iterations.values())
+    return {**program.states, **{f"iteration {i}": one.work for i, one in iterations}}
 
 
 def why_not(plan: Plan, instances_can: Mapping[str, bool]) -> str:
@@ -126,6 +133,7 @@ def made_of(plan: Plan, fmu_hashes: Mapping[str, str]) -> dict[str, str]:
     span = (system.start_ns, system.stop_ns, plan.cycle_ns, system.record_ns)
     found["times"] = _hash(repr(span).encode())
     found["algorithm and seed"] = _hash(repr((system.algorithm, system.seed)).encode())
+    found["convergence"] = _hash(repr(system.convergence).encode())
     found["connections"] = _hash(repr(lowered.wires).encode())
     found["schedule"] = _hash(repr(plan.instants).encode())
     found["recorded signals"] = _hash(repr(plan.recorded).encode())

@@ -47,6 +47,9 @@ from harness.supervision.messages import (
     packed,
 )
 
+_LEAST_ROWS, _MOST_ROWS = 4096, 131072
+_CHUNK_BYTES = 2**24
+
 
 class StopAskedError(BaseException):
     """The supervisor wants the run to end."""
@@ -134,6 +137,10 @@ class _Watched(Surroundings):
         self._marker.logged(f"{component}: {shorten(message.text, 300)}")
         if self._job.logging:
             self.tell(Heard(component, message))
+
+    def chunk_rows(self, columns: int) -> int:
+        """More than in one process, since every chunk costs two messages."""
+        return max(_LEAST_ROWS, min(_MOST_ROWS, _CHUNK_BYTES // (8 * (1 + columns))))
 
     def most_rows(self, rows: int, columns: int) -> None:
         """Give the shared memory its size."""

@@ -1,4 +1,4 @@
-"""In a study or sweep an FMU that crashes loses its own run, which is named with its seed."""
+"""In a study or sweep an FMU that crashes or hangs loses its own run, named with its seed."""
 
 from pathlib import Path
 
@@ -54,6 +54,15 @@ def test_study(experiment: Experiment) -> None:
         found = run_study(experiment, workers=workers)
     assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
     assert all(0.99 < metrics["last"] < 1.0 for metrics in found.runs["sound"])
+
+
+def test_study_of_a_plant_that_hangs(experiment: Experiment, tmp_path: Path) -> None:
+    hostile_fmu(tmp_path, "DoStep hang 50")
+    hanging = Experiment.load(experiment.path, {"limits": {"call": 0.5}})
+    with Workers(1, isolated=True, call=0.5) as workers, pytest.warns(UserWarning) as told:
+        found = run_study(hanging, workers=workers)
+    assert "doStep by 10 ms at t = 0.5 s had not returned after 0.5 s" in str(told[0].message)
+    assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
 
 
 def test_sweep(experiment: Experiment) -> None:
