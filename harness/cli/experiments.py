@@ -13,9 +13,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def opened_experiment(
-    name: str, changed: Mapping[str, Any] | None = None
-) -> Iterator[Experiment]:
+def opened_experiment(name: str, changed: Mapping[str, Any] | None = None) -> Iterator[Experiment]:
     """The experiment of that name with settings merged into it, while its files are there."""
     from harness.experiment.experiment import Experiment
     from harness.ssp.package import is_package

@@ -84,16 +84,6 @@ def compile_step(block: Block) -> CompiledStep:
     return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
 
 
-def step_fingerprint(block: Block) -> str:
-    """The hash of all code that `block.step` runs (hexadecimal).
-
-    Raises `CompileError` where the step cannot be compiled.
-    """
-    digest = hashlib.sha256()
-    _fingerprint(_plain(block.step), (), {}, digest)
-    return digest.hexdigest()
-
-
 _compiled: dict[str, Any] = {}
 
 

@@ -48,9 +48,7 @@ def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
     _check_overlap(path, members)
 
 
-def check_root(
-    path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION
-) -> None:
+def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION) -> None:
     """Raise `FmuError` for an archive without its description, saying where one is instead."""
     for member in members:
         place = PurePosixPath(member.filename)

@@ -148,7 +148,7 @@ def _content(component: Component) -> bytes:
         block = component.block
         rate = component.name, component.period_ns, component.phase_ns
         numbers = block.parameters.tobytes(), block.state.tobytes()
-        return repr((rate, step_fingerprint(block), *numbers)).encode()
+        return repr((rate, step_fingerprint(block.step), *numbers)).encode()
     return _ADDRESS.sub("", repr(component)).encode()
 
 
