@@ -82,9 +82,15 @@ def read_certificate(fmu: Fmu) -> Certificate:
 
 
 def replay(
-    fmu: Fmu, step: float, inputs: Mapping[str, tuple[float, ...]], outputs: tuple[str, ...]
+    fmu: Fmu,
+    step: float,
+    count: int,
+    inputs: Mapping[str, tuple[float, ...]],
+    outputs: tuple[str, ...],
 ) -> Array:
-    """Rows of `outputs` after each step with a row of `inputs` held, shape (rows, outputs).
+    """Rows of `outputs` after each of `count` steps with a row of `inputs`, which may be none, held.
+
+    The shape is (count, outputs).
 
     Raises `FmuError`, for a variable that the FMU does not have, too.
     """
@@ -92,12 +98,12 @@ def replay(
     with fmu.instantiate("parity") as instance:
         instance.enter_initialization_mode(0.0, None, None)
         instance.exit_initialization_mode()
-        for k, values in enumerate(zip(*inputs.values(), strict=True)):
-            instance.set(dict(zip(inputs, values, strict=True)))
+        for k in range(count):
+            instance.set({name: column[k] for name, column in inputs.items()})
             instance.do_step(k * step, step)
             rows.append([float(instance.get(name)) for name in outputs])
         instance.terminate()
-    return np.array(rows, dtype=float).reshape(-1, len(outputs))
+    return np.array(rows, dtype=float).reshape(count, len(outputs))
 
 
 def differences(found: Array, certificate: Certificate) -> dict[str, float]:

@@ -107,7 +107,7 @@ def _certified(
 ) -> Certificate:
     draft = Certificate(path.stem, reference, step, inputs, outputs, {}, tolerance, made_with())
     with Fmu(path) as fmu:
-        found = differences(replay(fmu, step, inputs, tuple(outputs)), draft)
+        found = differences(replay(fmu, step, draft.rows, inputs, tuple(outputs)), draft)
     limits = allowed(draft)
     worst = max(found, key=lambda name: found[name] - limits[name])
     if found[worst] > limits[worst]:

@@ -38,5 +38,7 @@ def verify(path: str | Path) -> Replay:
     """Replay the certificate of the FMU at `path`; raises `FmuError` when it cannot be done."""
     with Fmu(path) as fmu:
         certificate = read_certificate(fmu)
-        rows = replay(fmu, certificate.step, certificate.inputs, tuple(certificate.outputs))
+        rows = replay(
+            fmu, certificate.step, certificate.rows, certificate.inputs, tuple(certificate.outputs)
+        )
     return Replay(certificate, differences(rows, certificate), allowed(certificate))

@@ -34,7 +34,7 @@ from harness.ssp.document import (
 )
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
-from harness.ssp.settings import annotation, osp_step, safe_name
+from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name
 from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, sha256
 from harness.system import graph
 from harness.system.block import Block
@@ -55,8 +55,9 @@ class BlockFmu(Protocol):
         fmi_version: int = 3,
         *,
         phase: float = 0.0,
+        portable: bool = False,
     ) -> Path:
-        """The path of the FMU; raises `HarnessError`."""
+        """The path of the FMU, `portable` for one with Python inside; raises `HarnessError`."""
         ...
 
 
@@ -133,6 +134,7 @@ class _Exporter:
         )
         step = min(_period(c) for c in system.components)
         return SystemStructure(
+            namespaces=(OSP_NAMESPACE,),
             version=version,
             name=self.variant,
             generation_tool="fmu-harness",
@@ -184,8 +186,9 @@ class _Exporter:
         self, c: graph.BlockComponent | graph.SignalComponent, block: Block, spec: ExperimentSpec
     ) -> Path:
         return self.block_fmu(
-            block, c.name, to_seconds(c.period_ns), spec.fmi_version, phase=to_seconds(c.phase_ns)
-        )
+            block, c.name, to_seconds(c.period_ns), spec.fmi_version,
+            phase=to_seconds(c.phase_ns), portable=spec.portable,
+        )  # fmt: skip
 
     def _component(
         self,
