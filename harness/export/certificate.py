@@ -88,7 +88,7 @@ def replay(
     inputs: Mapping[str, tuple[float, ...]],
     outputs: tuple[str, ...],
 ) -> Array:
-    """Rows of `outputs` after each of `count` steps with a row of `inputs`, which may be none, held.
+    """Rows of `outputs` after each of `count` steps with a row of `inputs` (if any) held.
 
     The shape is (count, outputs).
 

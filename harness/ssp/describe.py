@@ -16,7 +16,8 @@ from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinit
 from harness.ssp.document import Connector, ParameterBinding
 from harness.ssp.lexical import write_boolean, write_double
 from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
-from harness.system.units import Unit, parse_unit
+from harness.system.graph import Endpoint
+from harness.system.units import Unit, conversion, parse_unit
 
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -48,6 +49,22 @@ def _definition(unit: Unit) -> UnitDefinition:
     exponents: dict[str, Any] = dict(zip(_BASE, unit.exponents or (0,) * 8, strict=True))
     base = BaseUnit(**exponents, factor=unit.factor, offset=unit.offset)
     return UnitDefinition(name=unit.name, base=base)
+
+
+def unit_change(
+    source: Endpoint, target: Endpoint, descriptions: Mapping[str, ModelDescription]
+) -> str:
+    """Such as "N to kN" where a wire converts units, else ""; raises `UnitError`."""
+    found: list[Unit | None] = []
+    for end in (source, target):
+        described = descriptions[end.component]
+        variable = described.variables.get(end.variable)
+        name = variable.unit if variable else None
+        found.append(parse_unit(name, described.units) if name else None)
+    first, second = found
+    if first is None or second is None or conversion(first, second) == (1.0, 0.0):
+        return ""
+    return f"{first.name} to {second.name}"
 
 
 def connectors(

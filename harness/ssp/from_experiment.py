@@ -10,7 +10,7 @@ Refused, with the way out, are sensitivities and plain Python: there is nothing 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -23,7 +23,7 @@ from harness.experiment.schema import ExperimentSpec
 from harness.fmi.fmu import Fmu
 from harness.fmi.model_description import ModelDescription
 from harness.ssp.common import LinearTransformation
-from harness.ssp.describe import Units, connectors, start_value_binding
+from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
 from harness.ssp.document import (
     Component,
     Connection,
@@ -130,7 +130,7 @@ class _Exporter:
             name=self.variant,
             description=spec.title,
             elements=elements,
-            connections=tuple(self._connection(c, spec) for c in system.connections),
+            connections=tuple(self._connection(c, spec, descriptions) for c in system.connections),
         )
         step = min(_period(c) for c in system.components)
         return SystemStructure(
@@ -226,12 +226,23 @@ class _Exporter:
             annotations=annotation(own),
         )
 
-    def _connection(self, wire: graph.Connection, spec: ExperimentSpec) -> Connection:
+    def _connection(
+        self,
+        wire: graph.Connection,
+        spec: ExperimentSpec,
+        descriptions: Mapping[str, ModelDescription],
+    ) -> Connection:
         given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
         own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
         if own:
             self._say(f"the {' and '.join(own)} on {wire.source} -> {wire.target} are in an "
                       "annotation of ours only")  # fmt: skip
+        change = unit_change(wire.source, wire.target, descriptions) if wire.convert_units else ""
+        if change:
+            self._say(
+                f"the conversion of {change} on {wire.source} -> {wire.target} is left to the "
+                "tool; for one that does none, state a factor and convert_units = false"
+            )
         linear = LinearTransformation(factor=wire.factor, offset=wire.offset)
         return Connection(
             start_element=wire.source.component,
