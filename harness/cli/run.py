@@ -21,7 +21,7 @@ from harness.errors import HarnessError
 if TYPE_CHECKING:
     from harness.bench import Echo
     from harness.experiment.experiment import Experiment
-    from harness.experiment.run_record import RunRecord
+    from harness.cli.run_record import RunRecord
 
 
 def run_command(
@@ -53,7 +53,7 @@ def run_command(
     ] = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
-    from harness.experiment.run_record import RunRecord
+    from harness.cli.run_record import RunRecord
 
     limits: dict[str, float | str | None]
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
@@ -66,7 +66,7 @@ def run_command(
             loaded.variant_spec(name)
         folder = output or registry.run_folder(loaded.name)
         if not study and not sweep:
-            record = RunRecord(loaded, chosen)
+            record = RunRecord(loaded, chosen, changed)
             record.write(folder)
             finish_run(record, folder, logging=fmi_logging)
             return
