@@ -20,8 +20,8 @@ from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.bench import Echo
-    from harness.experiment.experiment import Experiment
     from harness.cli.run_record import RunRecord
+    from harness.experiment.experiment import Experiment
 
 
 def run_command(
