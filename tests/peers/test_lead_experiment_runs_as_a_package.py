@@ -7,25 +7,22 @@ it was given, libcosim's differs in the last place unless the step is a power of
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.peers.ssp_loops import experiment, exported, ours, theirs
-from tests.peers.test_plants_run_in_other_tools import MODULES
+from tests.peers.tools import skip_without
 
 STEPS = 100
 pytestmark = pytest.mark.filterwarnings("ignore:in other tools")
 
 
-@pytest.fixture(params=MODULES)
+@pytest.fixture(params=["ecos", "libcosim"])
 def tool(request: pytest.FixtureRequest) -> str:
-    name = str(request.param)
-    if importlib.util.find_spec(MODULES[name]) is None:
-        pytest.skip(f"{MODULES[name]} is not installed (extra 'peers')")
-    return name
+    skip_without(request.param)
+    return str(request.param)
 
 
 @pytest.mark.parametrize(
