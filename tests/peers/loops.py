@@ -53,7 +53,7 @@ def controller(name: str, version: int, portable: bool) -> Path:
 def order(name: str, version: int, *, portable: bool, controller_first: bool = False) -> Order:
     """What a tool is asked to do."""
     fmus = {
-        "plant": str(registry.plant_fmu("hybrid_actuator", version)),
+        "plant": str(registry.plant_fmu("hybrid_actuator", version, portable=portable)),
         "controller": str(controller(name, version, portable)),
     }
     return Order(
