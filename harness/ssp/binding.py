@@ -161,11 +161,11 @@ def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
         elif isinstance(spec, _Text):
             values[name] = (element.text or "").strip()
         elif isinstance(spec, _Kept):
-            values[name] = tuple(markup.keep(one) for one in _take(left, spec.tags))
+            values[name] = tuple(markup.keep(one, place) for one in _take(left, spec.tags))
         else:
             values[name] = _child_values(spec, left, where, place, values["tag"], depth)
     values["more_attributes"] = tuple(attributes.items())
-    values["more"] = tuple(markup.keep(one) for one in left)
+    values["more"] = tuple(markup.keep(one, place) for one in left)
     return kind(**values)
 
 
