@@ -70,7 +70,11 @@ def unit_change(
 def connectors(
     description: ModelDescription, used: Collection[str], version: str, units: Units
 ) -> tuple[Connector, ...]:
-    """Connectors for the inputs and outputs of an FMU, and for other variables that are `used`."""
+    """Connectors for the outputs of an FMU, and for inputs and other variables that are `used`.
+
+    Inputs that nobody drives keep their start values and are not listed: FMPy drives one that is
+    by what drives the one before it.
+    """
     return tuple(
         Connector(
             name=v.name,
@@ -80,7 +84,7 @@ def connectors(
             dimensions=(Dimension(size=v.size),) if v.size > 1 and version != "1.0" else (),
         )
         for v in description.variables.values()
-        if v.causality in ("input", "output") or v.name in used
+        if v.causality == "output" or v.name in used
     )
 
 

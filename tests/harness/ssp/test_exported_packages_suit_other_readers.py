@@ -9,7 +9,7 @@ from harness.experiment.experiment import Experiment
 from harness.export.controller import controller_fmu
 from harness.export.verify import verify
 from harness.ssp.from_experiment import export_experiment
-from harness.ssp.package import SspArchive
+from harness.ssp.package import SspArchive, open_package
 from tests.harness.ssp.test_exported_experiments_come_back import loop
 
 pytestmark = pytest.mark.filterwarnings("ignore:in other tools")
@@ -32,6 +32,24 @@ def test_the_algorithm_has_no_attributes(text: str) -> None:
     """libcosim takes a declaration of the namespace there for an unknown algorithm."""
     assert '<osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.01"/></osp:Algorithm>' in text
     assert "xmlns:osp=" in text.partition("<ssd:System ")[0]
+
+
+def test_inputs_that_nobody_drives_are_not_listed(tmp_path: Path) -> None:
+    """FMPy drives such an input by what drives the one before it."""
+    data = loop()
+    del data["connections"]["pid.reference"]
+    del data["measure"]
+    experiment = Experiment.from_data(data, tmp_path / "loop.toml")
+    export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants, controller_fmu)
+    with open_package(tmp_path / "loop.ssp") as opened:
+        system = next(iter(opened.structures.values())).system
+    inputs = {
+        f"{element.name}.{one.name}"
+        for element in system.elements
+        for one in element.connectors
+        if one.kind == "input"
+    }
+    assert inputs == {"pid.measured", "plant.force"}
 
 
 def test_both_numbers_of_a_transformation_are_written(tmp_path: Path) -> None:
