@@ -8,6 +8,8 @@ on the wire from the controller to the plant, and it is to the last bit.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,15 @@ def test_one_sample_of_delay_and_not_a_bit_more(
     expected = ours(name, version, STEP)
     assert np.ptp(expected[:, 0]) > TARGET / 2
     assert np.array_equal(run_in(tool, order(name, version, portable=portable)), expected)
+
+
+@pytest.mark.parametrize("tool", ["ecos", "libcosim"])
+def test_half_a_sample_where_they_communicate_twice_a_sample(tool: str) -> None:
+    skip_without(tool)
+    asked = order("pid", 2, portable=False)
+    asked = replace(asked, step=asked.step / 2, steps=2 * asked.steps)
+    found = run_in(tool, asked)[1::2]
+    assert np.array_equal(found, ours("pid", 2, STEP / 2))
 
 
 @pytest.mark.parametrize("portable", [False, True], ids=["native", "portable"])
