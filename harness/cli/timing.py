@@ -35,6 +35,7 @@ def timing_command(
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.execution.run import opened, plan_system
     from harness.execution.timing import measure_delays
+    from harness.supervision.task import Teller, run_task
 
     out = console()
     with notices(), opened_experiment(experiment, settings(set_ or [])) as loaded:
@@ -42,7 +43,13 @@ def timing_command(
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:
             plan = plan_system(system, fmus)
-            delays = measure_delays(system, fmus)
+
+        def measure(teller: Teller) -> dict[Endpoint, tuple[Arrival, ...]]:
+            teller.show_loops()
+            with opened(system) as fmus:
+                return measure_delays(system, fmus)
+
+        delays = run_task(measure, limits=loaded.variant_spec(chosen).run_limits())
     out.print(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
     _print_schedule(out, plan)
     for source, arrivals in delays.items():
