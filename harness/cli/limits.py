@@ -1,10 +1,14 @@
-"""The flags by which a command limits what FMUs may use."""
+"""The flags by which a command limits what FMUs may use, and its end by Ctrl-C."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.supervision.limits import Limits
@@ -26,3 +30,12 @@ def limits_of(call: float | None, run: float | None, memory: str | None, isolate
     given: dict[str, Any] = {} if call is None else {"call": call}
     size = None if memory is None else memory_size(memory)
     return Limits(**given, run=run, memory=size, isolate=isolate)
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """While open, Ctrl-C ends the command with a sentence and exit code 1."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        raise HarnessError(str(interrupt) or "interrupted by Ctrl-C") from None

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from harness.cli.experiments import opened_experiment
+from harness.cli.limits import interruptible
 from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.cli.values import settings
@@ -38,7 +39,7 @@ def timing_command(
     from harness.supervision.task import Teller, run_task
 
     out = console()
-    with notices(), opened_experiment(experiment, settings(set_ or [])) as loaded:
+    with notices(), interruptible(), opened_experiment(experiment, settings(set_ or [])) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:

@@ -9,7 +9,14 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout, limits_of
+from harness.cli.limits import (
+    CallTimeout,
+    Isolate,
+    MemoryLimit,
+    RunTimeout,
+    interruptible,
+    limits_of,
+)
 from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.errors import HarnessError
@@ -27,7 +34,7 @@ def verify_command(
     """Replay the parity certificate of an FMU; exit code 1 where it does not agree."""
     from harness.export.verify import verify
 
-    with notices():
+    with notices(), interruptible():
         found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
     out, certificate = console(), found.certificate
     out.print(
