@@ -78,6 +78,16 @@ def test_a_hang_has_a_deadline() -> None:
         simulate(crashing_fmu("for(;;)sleep(1)"), **OPTIONS, limits=Limits(call=0.2))
 
 
+@pytest.mark.parametrize(
+    ("action", "words"), [("for(;;)sleep(1)", "had not returned after 0"), ("raise(11)", "SIGSEGV")]
+)
+def test_so_have_the_rates_of_model_exchange(action: str, words: str) -> None:
+    limits, path = Limits(call=0.2), crashing_fmu(action, rates=True)
+    with pytest.raises(SimulationError, match=rf"fmi2GetDerivatives at t = .*{words}") as caught:
+        simulate(path, interface_type="me", stop_time=1.0, output_interval=0.01, limits=limits)
+    assert len(caught.value.result.time) > 1
+
+
 def test_functions_as_inputs_work_in_the_worker() -> None:
     offset = 1.0
     result = simulate(model_fmu("2"), **OPTIONS, inputs={"u": lambda t: t + offset},
