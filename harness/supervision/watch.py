@@ -8,6 +8,7 @@ this process.
 
 from __future__ import annotations
 
+import select
 import sys
 import tempfile
 import time
@@ -89,8 +90,10 @@ class Watch(ABC):
         """Follow the worker to its end; whether it is to be killed at once."""
         self._began = self._moved = looked = time.monotonic()
         stop_by: float | None = None
+        arrives = select.poll()  # that of a Connection is made anew for every message
+        arrives.register(worker.connection.fileno(), select.POLLIN)
         while not self.over and self.fault is None:
-            if worker.connection.poll(_LOOK_SECONDS):
+            if arrives.poll(1000.0 * _LOOK_SECONDS):
                 try:
                     message = worker.connection.recv()
                 except (EOFError, OSError):
