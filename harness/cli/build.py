@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness import registry
+from harness.cli.limits import interruptible
 from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.cli.values import settings
@@ -92,7 +93,7 @@ def build_command(
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
         raise UsageError("--variant and --component belong to --experiment NAME")
-    with notices():
+    with notices(), interruptible():
         if experiment is not None:
             asked = _of_experiment(
                 experiment, variant, component or [], set_ or [], packaging, name

@@ -8,19 +8,24 @@ of the FMU itself, so whatever the FMU does, the caller lives.
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from harness.fmi.fmu import Fmu
+from harness.fmi.temporary import make_folder
 from harness.inspection.checks import CHECKS, CYCLES
 from harness.inspection.finding import Finding, Verdict, failed, passed
+from harness.supervision.limits import Limits, show_memory
+from harness.supervision.process import memory_of
 
 DEADLINE = 60.0
 """Seconds that one check may take."""
@@ -129,8 +134,9 @@ def _one_process(
     path: Path, names: list[str], deadline: float, progress: Progress | None
 ) -> Iterator[Finding]:
     """Findings until the process has ended, by itself or not."""
-    with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
-        out, words = Path(folder) / "findings", Path(folder) / "words"
+    most = Limits().memory_bytes
+    with closing(_Folder()) as folder:
+        out, words = folder.path / "findings", folder.path / "words"
         out.touch()
         process = _start(path, out, words, names)
         running, left, since, position = "", list(names), time.monotonic(), 0
@@ -152,19 +158,47 @@ def _one_process(
                 if time.monotonic() - since > deadline:
                     yield replace(failed(f"no end within {deadline:g} s"), check=running or _END)
                     return
+                if most is not None and memory_of(process.pid) > most:
+                    told = f"held more than {show_memory(most)} of memory"
+                    yield replace(failed(told), check=running or _END)
+                    return
                 time.sleep(_POLL)
         finally:
-            process.kill()
-            process.wait()
+            _end(process)
         if process.returncode or left:
             detail = _death(process.returncode, words.read_text("utf-8", "replace"))
             yield replace(failed(detail), check=running or (left or [_END])[0])
 
 
 def _start(path: Path, out: Path, words: Path, names: list[str]) -> subprocess.Popen[bytes]:
+    """The process; what it unpacks goes away with the folder of `out`, and it has a group of its
+    own with all that the FMU starts."""
     command = [sys.executable, "-m", "harness.inspection.examiner", str(path), str(out), *names]
+    surroundings = os.environ | {"TMPDIR": str(out.parent)}
     with words.open("wb") as file:
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file, stderr=file)
+        return subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=surroundings,
+            start_new_session=True,
+        )  # fmt: skip
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End the process and all that it started."""
+    if hasattr(os, "killpg"):
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.wait()
+
+
+class _Folder:
+    """A temporary folder that also the next start removes, should this process be killed."""
+
+    def __init__(self) -> None:
+        self.path = make_folder()
+
+    def close(self) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
 
 
 def _new_lines(out: Path, position: int) -> tuple[list[dict[str, Any]], int]:

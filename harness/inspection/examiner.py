@@ -17,6 +17,7 @@ from harness.fmi.fmu import Fmu
 from harness.inspection.checks import CHECKS
 from harness.inspection.finding import failed
 from harness.inspection.subject import Subject
+from harness.supervision.process import die_with_parent
 
 
 def examine(path: Path, out: Path, names: list[str]) -> None:
@@ -33,4 +34,5 @@ def examine(path: Path, out: Path, names: list[str]) -> None:
 
 
 if __name__ == "__main__":
+    die_with_parent()
     examine(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
