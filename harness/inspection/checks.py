@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from harness.errors import HarnessError
 from harness.inspection.comparison import difference, names, same
 from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.subject import STEPS, Subject
+from harness.inspection.subject import Subject
 
 CYCLES = 200
 """Instantiations of the leak check."""
@@ -36,9 +36,9 @@ def runs(subject: Subject) -> Finding:
     bad: NDArray[np.bool_] = np.atleast_1d(~np.isfinite(rows).all(axis=0))
     if bad.any():
         return failed(f"values are not finite: {names(subject, bad)}")
-    if len(rows) < STEPS:
+    if len(rows) < subject.steps:
         return passed(f"ends itself after {len(rows)} steps of {subject.step:g} s")
-    return passed(f"{STEPS} steps of {subject.step:g} s")
+    return passed(f"{subject.steps} steps of {subject.step:g} s")
 
 
 def instantiates_twice(subject: Subject) -> Finding:
@@ -52,7 +52,7 @@ def instantiates_twice(subject: Subject) -> Finding:
     expected = alone[0]
     if not same(*alone):
         return failed("cannot be judged, since one instance alone does not repeat its run")
-    half = STEPS // 2
+    half = subject.half
     with subject.running("first") as first, subject.running("second") as second:
         parts = [(first.advance(half, at), second.advance(half, at)) for at in (0, half)]
     for word, rows in zip(("first", "second"), zip(*parts, strict=True), strict=True):
@@ -99,7 +99,7 @@ def takes_other_steps(subject: Subject) -> Finding:
     flag = "canHandleVariableCommunicationStepSize"
     if not subject.capabilities.can_handle_variable_step:
         return not_offered(f"{flag} is false")
-    sizes = {"half": (0.5, 2 * STEPS), "double": (2.0, STEPS // 2)}
+    sizes = {"half": (0.5, 2 * subject.steps), "double": (2.0, subject.half)}
     for word, (factor, steps) in sizes.items():
         with subject.running() as motion:
             try:

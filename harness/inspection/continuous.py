@@ -7,10 +7,9 @@ import numpy as np
 from harness.errors import HarnessError
 from harness.inspection.finding import Finding, failed, not_offered, passed
 from harness.inspection.motion import Solving
-from harness.inspection.subject import STEPS, Array, Motion, Subject
+from harness.inspection.subject import Array, Motion, Subject
 
 _SHIFT = 1e-3  # of a state's nominal value
-_HALF = STEPS // 2
 
 
 def returns_states(subject: Subject) -> Finding:
@@ -20,7 +19,7 @@ def returns_states(subject: Subject) -> Finding:
         part = _part(motion).part
         if not part.nx:
             return not_offered("no continuous states")
-        for steps in (0, _HALF):
+        for steps in (0, subject.half):
             motion.advance(steps)
             if motion.ended:
                 break
@@ -63,7 +62,7 @@ def has_finite_indicators(subject: Subject) -> Finding:
         part = _part(motion).part
         if not part.nz:
             return not_offered("no event indicators")
-        for step in range(STEPS):
+        for step in range(subject.steps):
             z = part.indicators()
             if not np.isfinite(z).all():
                 i = int(np.argmax(~np.isfinite(z)))

@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from harness.inspection.subject import Subject
 
 Array = NDArray[np.float64]
-STEPS = 20
-"""Communication steps of a run of the examination."""
-
 _OK = (0, 1)
 
 
@@ -55,15 +52,17 @@ class Motion(ABC):
         )
         self.instance.exit_initialization_mode()
 
-    def advance(self, steps: int = STEPS, first: float = 0, factor: float = 1.0) -> Array:
+    def advance(self, steps: int | None = None, first: float = 0, factor: float = 1.0) -> Array:
         """Move and step; rows of what is watched after each step, shape (steps, n), fewer where
         the FMU ends the simulation.
 
-        The run is at step number `first`, and takes steps of `factor` times the usual length.
+        `steps` is the whole examination where None. The run is at step number `first`, and takes
+        steps of `factor` times the usual length.
         """
+        wanted = self.subject.steps if steps is None else steps
         length = factor * self.subject.step
         rows: list[Array] = []
-        while len(rows) < steps and not self.ended:
+        while len(rows) < wanted and not self.ended:
             time, end = (self._time(first + factor * k) for k in (len(rows), len(rows) + 1))
             self.step(time, end, length)
             rows.append(self.watch())

@@ -10,9 +10,8 @@ import numpy as np
 from harness.errors import HarnessError
 from harness.inspection.comparison import difference, same
 from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.subject import STEPS, Subject
+from harness.inspection.subject import Subject
 
-_HALF = STEPS // 2
 _SNAPSHOT, _SERIAL = "canGetAndSetFMUState", "canSerializeFMUState"
 _TOO_SHORT = "the FMU ends the simulation before a snapshot could be taken"
 
@@ -22,18 +21,18 @@ def restores(subject: Subject) -> Finding:
     if not subject.capabilities.can_get_and_set_fmu_state:
         return not_offered(f"{_SNAPSHOT} is false")
     with subject.running() as motion:
-        motion.advance(_HALF)
+        motion.advance(subject.half)
         if motion.ended:
             return not_offered(_TOO_SHORT)
         instance = motion.instance
         try:
             state, memory = instance.get_state(), motion.memory()
-            expected = motion.advance(_HALF, first=_HALF)
+            expected = motion.advance(subject.half, first=subject.half)
             repeated = []
             for _ in range(2):
                 instance.set_state(state)
                 motion.recall(memory)
-                repeated.append(motion.advance(_HALF, first=_HALF))
+                repeated.append(motion.advance(subject.half, first=subject.half))
             instance.free_state(state)
         except HarnessError as fault:
             return failed(str(fault), _SNAPSHOT)
@@ -49,7 +48,7 @@ def serialises(subject: Subject) -> Finding:
     if not subject.capabilities.can_serialize_fmu_state:
         return not_offered(f"{_SERIAL} is false")
     with subject.running() as motion:
-        motion.advance(_HALF)
+        motion.advance(subject.half)
         if motion.ended:
             return not_offered(_TOO_SHORT)
         try:
@@ -57,7 +56,7 @@ def serialises(subject: Subject) -> Finding:
         except HarnessError as fault:
             return failed(str(fault), _SERIAL)
         memory = motion.memory()
-        expected = motion.advance(_HALF, first=_HALF)
+        expected = motion.advance(subject.half, first=subject.half)
     bytes_file, rows_file, memory_file = _files(subject)
     bytes_file.write_bytes(content)
     np.save(rows_file, expected)
@@ -80,7 +79,7 @@ def _continues(subject: Subject, words: str) -> Finding:
         try:
             motion.instance.restore_state(bytes_file.read_bytes())
             motion.recall(json.loads(memory_file.read_text(encoding="utf-8")))
-            found = motion.advance(_HALF, first=_HALF)
+            found = motion.advance(subject.half, first=subject.half)
         except HarnessError as fault:
             return failed(str(fault), _SERIAL)
     if same(expected, found):

@@ -15,11 +15,14 @@ from harness.fmi.fmu import Fmu
 from harness.fmi.instance import MODEL_EXCHANGE, InterfaceType, capabilities
 from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
 from harness.inspection.excitation import moving_inputs
-from harness.inspection.motion import STEPS, Array, Motion, motion_of
+from harness.inspection.motion import Array, Motion, motion_of
 from harness.simulation.inputs import Inputs
 from harness.simulation.settings import Request, settle
 
-__all__ = ["STEPS", "Array", "Motion", "Subject"]
+__all__ = ["Array", "Motion", "Subject"]
+
+FEWEST, MOST = 20, 100
+"""Communication steps of a run of the examination."""
 
 _WATCHED = 500  # variables at most
 
@@ -54,6 +57,17 @@ class Subject:
         step = s.output_interval if self.exchanges else s.step_size
         assert step is not None
         return step
+
+    @cached_property
+    def steps(self) -> int:
+        """Communication steps of a run: to the stop time, within reason."""
+        wanted = (self.settings.stop_time - self.start) / self.step
+        return int(min(max(wanted, FEWEST), MOST))
+
+    @property
+    def half(self) -> int:
+        """Steps until a snapshot is taken, and after it."""
+        return self.steps // 2
 
     def new_inputs(self) -> Inputs:
         """The inputs of one run."""
