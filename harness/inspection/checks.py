@@ -45,23 +45,24 @@ def instantiates_twice(subject: Subject) -> Finding:
     """Two instances at once, stepped in turn, do not disturb each other."""
     if subject.capabilities.can_be_instantiated_only_once:
         return not_offered("canBeInstantiatedOnlyOncePerProcess is true")
+    lie, half = "canBeInstantiatedOnlyOncePerProcess is false", subject.half
     alone = []
     for _ in range(2):
         with subject.running("alone") as motion:
-            alone.append(motion.advance())
-    expected = alone[0]
+            alone.append(np.concatenate([motion.advance(half), motion.advance(half, half)]))
+    with subject.running("first") as first, subject.running("second") as second:
+        before = second.watch()
+        parts = [(first.advance(half), second.watch(), second.advance(half))]
+        if not same(before, parts[0][1]):
+            return failed("an instance changes while another one steps", lie)
+        parts.append((first.advance(half, half), before, second.advance(half, half)))
     if not same(*alone):
         return failed("cannot be judged, since one instance alone does not repeat its run")
-    half = subject.half
-    with subject.running("first") as first, subject.running("second") as second:
-        parts = [(first.advance(half, at), second.advance(half, at)) for at in (0, half)]
-    for word, rows in zip(("first", "second"), zip(*parts, strict=True), strict=True):
-        found = np.concatenate(rows)
-        if not same(expected, found):
-            return failed(
-                f"the {word} of two is disturbed: {difference(subject, expected, found)}",
-                "canBeInstantiatedOnlyOncePerProcess is false",
-            )
+    for word, index in (("first", 0), ("second", 2)):
+        found = np.concatenate([part[index] for part in parts])
+        if not same(alone[0], found):
+            what = difference(subject, alone[0], found)
+            return failed(f"the {word} of two is disturbed: {what}", lie)
     return passed("both run as one alone does")
 
 

@@ -123,10 +123,9 @@ class _Ward:
         digest = next((f.data["digest"] for f in before if "digest" in f.data), None)
         names = [REPEATS_ELSEWHERE] * (digest is not None)
         names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type)
-        for name in names:  # one process each, so that one that dies does not settle both
-            for finding in self.findings([name]):
-                compare = finding.check == REPEATS_ELSEWHERE
-                yield _compared(digest, finding) if compare else finding
+        for finding in self.findings(names):
+            compare = finding.check == REPEATS_ELSEWHERE
+            yield _compared(digest, finding) if compare else finding
 
     def one_process(self, names: list[str]) -> Iterator[Finding]:
         """Findings until the process has ended, by itself or not."""
