@@ -33,7 +33,15 @@ class Visit:
     def lines(self) -> Iterator[tuple[str, ...]]:
         """The cells of its lines, one line for each kind of interface."""
         if self.diagnosis is None:
-            yield (self.label, "", "refused", "", "", self.refusal.replace(str(self.path), "it"), "")
+            yield (
+                self.label,
+                "",
+                "refused",
+                "",
+                "",
+                self.refusal.replace(f"FMU {self.path}", "it"),
+                "",
+            )
             return
         d = self.diagnosis
         by_kind: dict[str, list[Finding]] = {}
@@ -75,7 +83,9 @@ def visit(path: Path, label: str) -> Visit:
 def markdown(visits: list[Visit]) -> str:
     """The table."""
     lines = [HEAD, ("---",) * len(HEAD), *(line for one in visits for line in one.lines())]
-    return "".join("| " + " | ".join(c.replace("|", "\\|") for c in line) + " |\n" for line in lines)
+    return "".join(
+        "| " + " | ".join(c.replace("|", "\\|") for c in line) + " |\n" for line in lines
+    )
 
 
 def main() -> int:

@@ -60,8 +60,8 @@ def _show(found: Diagnosis) -> None:
 
 
 def _findings(found: Diagnosis, kind: str) -> Table:
-    title = Text(f"{found.path.name}, FMI {found.description.fmi_version}, {kind}")
-    table = Table(title=title, title_justify="left", box=None, padding=(0, 2))
+    head = Text(f"{found.path.name}, FMI {found.description.fmi_version}, {kind}")
+    table = Table(title=head, title_justify="left", box=None, padding=(0, 2))
     for title in ("check", "verdict", "what was seen"):
         table.add_column(title)
     for f in (f for f in found.findings if f.interface_type == kind):

@@ -15,7 +15,6 @@ from harness.cli.terminal import console
 from harness.fmi.fmu import Fmu
 from harness.fmi.model_description import Capabilities, ModelDescription, Variable
 
-
 _LIBRARIES = {".so", ".dll", ".dylib"}
 
 

@@ -33,7 +33,7 @@ class _Use:
     sound: tuple[str, ...] = ()
 
 
-_SIMULATION = {
+_SIMULATION: dict[str, _Use] = {
     CO_SIMULATION: _Use("simulate, co-simulation", (c.RUNS,)),
     MODEL_EXCHANGE: _Use(
         "simulate, model exchange", (c.RUNS,), (c.ROUND_TRIP, c.NOMINALS, c.INDICATORS)

@@ -26,7 +26,9 @@ def returns_states(subject: Subject) -> Finding:
             x = part.states()
             for wanted in (x, x + _SHIFT * part.nominals(), x):
                 try:
-                    motion.instance.check(part.set_states(wanted.ctypes.data), "SetContinuousStates")
+                    motion.instance.check(
+                        part.set_states(wanted.ctypes.data), "SetContinuousStates"
+                    )
                     found = part.states()
                 except HarnessError as fault:
                     return failed(str(fault), flag)
