@@ -78,8 +78,9 @@ def _not_in_the_loop(d: ModelDescription) -> str:
 def _judged(use: _Use, found: Mapping[str, Finding]) -> Allowance:
     for name in (*use.needs, *use.sound):
         finding = found.get(name)
-        if finding is None and name == c.CONTINUES_ELSEWHERE:
-            finding = found.get(c.SERIALISES)
+        first = found.get(c.SERIALISES)
+        if finding is None and name == c.CONTINUES_ELSEWHERE and first is not None:
+            finding = None if first.verdict is Verdict.PASSED else first
         if finding is None:
             if name in use.needs:
                 return Allowance(use.name, False, f"{name}: not examined")
