@@ -13,10 +13,9 @@ import os
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.errors import HarnessError
-from harness.inspection.comparison import difference, names, same
+from harness.inspection.comparison import difference, names, not_finite, same
 from harness.inspection.finding import Finding, failed, not_offered, passed
 from harness.inspection.subject import Subject
 
@@ -30,10 +29,11 @@ _LEAK = 2048  # bytes a cycle that count as a leak; less drowns in the allocator
 def runs(subject: Subject) -> Finding:
     """Instantiates, initialises, steps, terminates."""
     with subject.running() as motion:
+        first = motion.watch()
         rows = motion.advance()
         if not motion.ended:
             motion.instance.terminate()
-    bad: NDArray[np.bool_] = np.atleast_1d(~np.isfinite(rows).all(axis=0))
+    bad = not_finite(subject, first, rows)
     if bad.any():
         return failed(f"values are not finite: {names(subject, bad)}")
     if len(rows) < subject.steps:
@@ -103,12 +103,14 @@ def takes_other_steps(subject: Subject) -> Finding:
     sizes = {"half": (0.5, 2 * subject.steps), "double": (2.0, subject.half)}
     for word, (factor, steps) in sizes.items():
         with subject.running() as motion:
+            first = motion.watch()
             try:
                 rows = motion.advance(steps, factor=factor)
             except HarnessError as fault:
                 return failed(f"{word}: {fault}", flag)
-        if not np.isfinite(rows).all():
-            return failed(f"{word}: values are not finite", flag)
+        bad = not_finite(subject, first, rows)
+        if bad.any():
+            return failed(f"{word}: values are not finite: {names(subject, bad)}", flag)
     return passed(" and ".join(sizes))
 
 

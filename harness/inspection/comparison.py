@@ -26,6 +26,18 @@ def difference(subject: Subject, expected: Array, found: Array) -> str:
     )
 
 
+def not_finite(subject: Subject, first: Array, rows: Array) -> NDArray[np.bool_]:
+    """Which columns hold infinity or NaN, from the `first` row, after initialisation, on.
+
+    A local variable that was so from the beginning, as an infinite limit is, does not count.
+    """
+    local = np.zeros(len(subject.labels), dtype=np.bool_)
+    internal = [v.causality == "local" for v in subject.watched for _ in range(v.size)]
+    local[: len(internal)] = internal
+    bad: NDArray[np.bool_] = ~np.isfinite(np.vstack([first, rows])).all(axis=0)
+    return bad & ~(local & ~np.isfinite(first))
+
+
 def names(subject: Subject, chosen: NDArray[np.bool_]) -> str:
     """The names of the watched variables that are chosen, five at most."""
     found = list(dict.fromkeys(n for n, c in zip(subject.labels, chosen, strict=True) if c))
