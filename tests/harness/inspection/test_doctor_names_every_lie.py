@@ -19,6 +19,7 @@ CASES = {
     "FEEDTHROUGH": ("feedthrough as declared", "dependencies of y"),
     "SLOPE": ("derivatives", "providesDirectionalDerivatives"),
     "STEPS": ("takes other steps", "canHandleVariableCommunicationStepSize"),
+    "BLOWS_UP": ("runs", None),
     "LEAK": ("survives 200 instances", None),
     "DESCRIPTORS": ("survives 200 instances", None),
 }
