@@ -34,8 +34,8 @@ def not_finite(subject: Subject, first: Array, rows: Array) -> NDArray[np.bool_]
     local = np.zeros(len(subject.labels), dtype=np.bool_)
     internal = [v.causality == "local" for v in subject.watched for _ in range(v.size)]
     local[: len(internal)] = internal
-    bad: NDArray[np.bool_] = ~np.isfinite(np.vstack([first, rows])).all(axis=0)
-    return bad & ~(local & ~np.isfinite(first))
+    bad = np.any(~np.isfinite(np.vstack([first, rows])), axis=0)
+    return np.asarray(bad & ~(local & ~np.isfinite(first)))
 
 
 def names(subject: Subject, chosen: NDArray[np.bool_]) -> str:
