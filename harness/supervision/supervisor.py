@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, SimulationError
+from harness.execution.machine_code import say_nothing
 from harness.execution.prepared import Echo
 from harness.execution.run import Outcome, Progress
 from harness.results.recording import Recording
@@ -93,6 +94,7 @@ def supervise(
 
 def _work(job: Job, marker: Marker, descriptor: int, limits: Limits, connection: Any) -> None:
     if limits.isolate:
+        say_nothing()
         isolate((Path(tempfile.gettempdir()),), limits.memory_bytes)
     work(job, connection, marker, descriptor)
 

@@ -47,8 +47,8 @@ from harness.supervision.messages import (
     packed,
 )
 
-_LEAST_ROWS, _MOST_ROWS = 4096, 131072
-_CHUNK_BYTES = 2**24
+_LEAST_ROWS, _MOST_ROWS = 4096, 65536
+_CHUNK_BYTES = 2**23  # memory fresh from the system is slow to touch, and here both sides do
 
 
 class StopAskedError(BaseException):
