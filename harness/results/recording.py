@@ -137,9 +137,9 @@ class Recording:
 
     def _check_order(self, times_ns: NDArray[np.int64]) -> None:
         previous = int(times_ns[0]) if self._last is None else self._last
-        backwards = np.diff(times_ns, prepend=previous) < 0
-        if backwards.any():
-            at = int(np.argmax(backwards))
+        backwards = times_ns[1:] < times_ns[:-1]
+        if times_ns[0] < previous or backwards.any():
+            at = 0 if times_ns[0] < previous else int(np.argmax(backwards)) + 1
             before = previous if at == 0 else int(times_ns[at - 1])
             raise RecordingError(
                 f"rows were recorded back in time: {int(times_ns[at])} ns after {before} ns"
@@ -196,8 +196,11 @@ class Recording:
 
     def _from_memory(self) -> Result:
         times = [chunk[0] for chunk in self._chunks] or [np.empty(0, dtype=np.int64)]
-        rows = [chunk[1] for chunk in self._chunks] or [np.empty((0, len(self.columns)))]
-        data = np.asfortranarray(np.concatenate(rows))
+        data = np.empty((sum(map(len, times)), len(self.columns)), order="F")
+        first = 0
+        for _, rows in self._chunks:
+            data[first : first + len(rows)] = rows
+            first += len(rows)
         return Result(self.columns, seconds_of(np.concatenate(times)), data, self._manifest)
 
     def _close(self) -> None:

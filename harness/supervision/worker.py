@@ -47,7 +47,7 @@ from harness.supervision.messages import (
     packed,
 )
 
-_LEAST_ROWS, _MOST_ROWS = 4096, 65536
+_LEAST_ROWS, _MOST_ROWS = 4096, 32768
 _CHUNK_BYTES = 2**23  # memory fresh from the system is slow to touch, and here both sides do
 
 
