@@ -355,18 +355,28 @@ EXPORT int fmi3SetFloat64(void *c, const unsigned *vr, size_t n, const double *v
     int status = m == n ? put(c, vr, n, values) : ERROR;
     return status ? status : status_of(fault);
 }
+/* "middle", "backwards", "last_nan": the time that a step says to have reached; with "early_" or
+   "discard_" before it, in a step that ends so. */
+static double reached(const char *action, double t, double h) {
+    if (strstr(action, "middle")) return t + h / 2;
+    if (strstr(action, "backwards")) return t - h;
+    return strstr(action, "last_nan") ? (double)NAN : t + h;
+}
+
 EXPORT int fmi3DoStep(void *c, double t, double h, bool no_set_state, bool *event, bool *terminate,
                       bool *early, double *last) {
     (void)no_set_state;
     GUARD("DoStep");
+    if (fault && !strncmp(fault->action, "discard_", 8)) {
+        *last = reached(fault->action, t, h);
+        return DISCARD;
+    }
     *event = *terminate = *early = false;
     step(c, t, h);
-    *last = t + h;
+    *last = fault ? reached(fault->action, t, h) : t + h;
     if (fault && !strcmp(fault->action, "event")) *event = true;
     if (fault && !strcmp(fault->action, "terminate")) *terminate = true;
-    if (fault && !strcmp(fault->action, "early")) *early = true, *last = t + h / 2;
-    if (fault && !strcmp(fault->action, "backwards")) *last = t - h;
-    if (fault && !strcmp(fault->action, "last_nan")) *last = NAN;
+    if (fault && !strncmp(fault->action, "early", 5)) *early = true;
     return status_of(fault);
 }
 #define STATE(verb) fmi3##verb##FMUState
