@@ -145,7 +145,7 @@ def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
 
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("study", total=1.0))
-        with Workers(jobs, isolated=True, call=loaded.spec.limits.call) as workers:
+        with Workers(jobs, isolated=True) as workers:
             found = run_study(loaded, workers=workers, progress=moved)
     for table in study_tables(loaded, found):
         console().print(table)
@@ -160,7 +160,7 @@ def _sweep(
 
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
-        with Workers(jobs, isolated=True, call=loaded.spec.limits.call) as workers:
+        with Workers(jobs, isolated=True) as workers:
             regions = run_sweep(loaded, variants, workers=workers, progress=moved)
     for name, region in regions.items():
         label = loaded.label(name)

@@ -10,7 +10,7 @@ from pathlib import Path
 from harness.errors import ExperimentError, HarnessError, RecordingError, UsageError, nearest
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
-from harness.experiment.parallel import Workers
+from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
@@ -66,7 +66,7 @@ def reproduce(
     report: Report | None = None,
 ) -> Reproduction:
     """Run every experiment of `paper` and judge its claims; pictures and rows go to `output`.
-    Studies and sweeps are spread over `workers` (None: done here).
+    Studies and sweeps are spread over `workers` (None: one process of its own).
 
     `fast` takes the subset that the experiments declare: enough to see that all of it works, not
     to decide.
@@ -74,12 +74,11 @@ def reproduce(
     _check_claims(paper)
     evidence: dict[str, Evidence] = {}
     pictures: dict[str, tuple[Path, ...]] = {}
-    workers = workers or Workers(1)
-    for name, path in paper.experiments.items():
-        experiment = Experiment.load(path)
-        experiment = experiment.fast() if fast else experiment
-        evidence[name], pictures[name] = _run(experiment, output / name, workers, report)
-
+    with given_or_one(workers) as crew:
+        for name, path in paper.experiments.items():
+            experiment = Experiment.load(path)
+            experiment = experiment.fast() if fast else experiment
+            evidence[name], pictures[name] = _run(experiment, output / name, crew, report)
     verdicts = tuple(judge(claim, evidence.__getitem__) for claim in paper.claims.claims)
     return Reproduction(paper, verdicts, evidence, pictures, fast)
 

@@ -45,6 +45,15 @@ def already_isolated() -> None:
     _inside = True
 
 
+def memory_held(process: int) -> int:
+    """Bytes of memory that a process holds; 0 where it is gone, or the system does not say."""
+    try:
+        held = Path(f"/proc/{process}/statm").read_text().split()[1]
+    except (OSError, IndexError):
+        return 0
+    return int(held) * os.sysconf("SC_PAGE_SIZE")
+
+
 class WorkerProcess:
     """A forked worker that runs `work(connection)`; `connection` is the supervisor's end."""
 
@@ -55,7 +64,7 @@ class WorkerProcess:
         sys.stdout.flush()
         sys.stderr.flush()
         supervisor = os.getpid()
-        with _compiler_at_rest():
+        with compiler_at_rest():
             self.pid = os.fork()
         if self.pid == 0:
             if self._janitor is not None and self._janitor.stdin is not None:
@@ -76,11 +85,7 @@ class WorkerProcess:
 
     def memory(self) -> int:
         """Bytes of memory that the worker holds; 0 where it is gone."""
-        try:
-            held = Path(f"/proc/{self.pid}/statm").read_text().split()[1]
-        except (OSError, IndexError):
-            return 0
-        return int(held) * os.sysconf("SC_PAGE_SIZE")
+        return memory_held(self.pid)
 
     def gone(self) -> bool:
         """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
@@ -120,7 +125,7 @@ class WorkerProcess:
 
 
 @contextlib.contextmanager
-def _compiler_at_rest() -> Iterator[None]:
+def compiler_at_rest() -> Iterator[None]:
     """While open, no other thread compiles: what it held would stay locked in the worker."""
     if "numba" in sys.modules:
         from numba.core.compiler_lock import global_compiler_lock

@@ -59,8 +59,8 @@ def test_study(experiment: Experiment) -> None:
 def test_study_of_a_plant_that_hangs(experiment: Experiment, tmp_path: Path) -> None:
     hostile_fmu(tmp_path, "DoStep hang 50")
     hanging = Experiment.load(experiment.path, {"limits": {"call": 0.5}})
-    with Workers(1, isolated=True, call=0.5) as workers, pytest.warns(UserWarning) as told:
-        found = run_study(hanging, workers=workers)
+    with pytest.warns(UserWarning) as told:
+        found = run_study(hanging)
     assert "doStep by 10 ms at t = 0.5 s had not returned after 0.5 s" in str(told[0].message)
     assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
 
