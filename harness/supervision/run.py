@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from harness.clock import to_nanoseconds
 from harness.errors import HarnessError, SimulationError
 from harness.execution.prepared import Echo
 from harness.execution.run import Progress
@@ -40,8 +41,10 @@ def run_supervised(
     """
     limits = limits or Limits()
     every = limits.checkpoint if folder is not None else None
+    apart = limits.checkpoint_simulated if folder is not None else None
+    every_ns = None if apart is None else to_nanoseconds(apart, "limit checkpoint_simulated")
     resumed = resumable(folder) if resume and folder is not None else None
-    job = Job(system, tuple(record), tuple(needed), echo is not None, every, resumed)
+    job = Job(system, tuple(record), tuple(needed), echo is not None, every, every_ns, resumed)
 
     def open_recording(planned: Planned) -> Recording:
         manifest = Manifest(

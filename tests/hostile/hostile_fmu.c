@@ -41,7 +41,7 @@ static Fault faults[MOST];
 static int n_faults;
 
 typedef struct {
-    double x, u, T, time;
+    double x, u, T, time, d;
     void *environment;
     void *log;
     char name[128];
@@ -49,7 +49,7 @@ typedef struct {
 } Lag;
 
 typedef struct {
-    double x, u, T, time;
+    double x, u, T, time, d;
 } State;
 
 #if FMI == 2
@@ -241,6 +241,7 @@ static int get(Lag *lag, const unsigned *vr, size_t n, double *values) {
         case 1: values[i] = lag->x; break;
         case 2: values[i] = lag->T; break;
         case 3: values[i] = lag->time; break;
+        case 4: values[i] = lag->d; break;
         default: return ERROR;
     }
     return OK;
@@ -250,13 +251,14 @@ static int put(Lag *lag, const unsigned *vr, size_t n, const double *values) {
     for (size_t i = 0; i < n; i++) {
         if (vr[i] == 0) lag->u = values[i];
         else if (vr[i] == 2) lag->T = values[i];
+        else if (vr[i] == 4) lag->d = values[i];
         else return ERROR;
     }
     return OK;
 }
 
 static void step(Lag *lag, double t, double h) {
-    lag->x += (lag->u - lag->x) * (1.0 - exp(-h / lag->T));
+    lag->x += (lag->u + lag->d - lag->x) * (1.0 - exp(-h / lag->T));
     lag->time = t + h;
 }
 
@@ -387,7 +389,7 @@ EXPORT int STATE(Get)(void *c, void **state) {
     GUARD("GetFMUState");
     Lag *lag = c;
     State *s = *state ? *state : malloc(sizeof *s);
-    *s = (State){lag->x, lag->u, lag->T, lag->time};
+    *s = (State){lag->x, lag->u, lag->T, lag->time, lag->d};
     *state = s;
     return status_of(fault);
 }
@@ -395,7 +397,7 @@ EXPORT int STATE(Set)(void *c, void *state) {
     GUARD("SetFMUState");
     Lag *lag = c;
     State *s = state;
-    lag->x = s->x, lag->u = s->u, lag->T = s->T, lag->time = s->time;
+    lag->x = s->x, lag->u = s->u, lag->T = s->T, lag->time = s->time, lag->d = s->d;
     return status_of(fault);
 }
 EXPORT int STATE(Free)(void *c, void **state) {
