@@ -73,8 +73,12 @@ class Manifest:
         """Writes `manifest.json`, whole or not at all."""
         text = json.dumps(dataclasses.asdict(self), indent=2, default=_plain, ensure_ascii=False)
         partial = folder / (FILE_NAME + ".partial")
-        partial.write_text(text + "\n", encoding="utf-8")
-        partial.replace(folder / FILE_NAME)
+        try:
+            partial.write_text(text + "\n", encoding="utf-8")
+            partial.replace(folder / FILE_NAME)
+        except OSError:
+            partial.unlink(missing_ok=True)
+            raise
 
 
 def read_manifest(folder: Path) -> Manifest:

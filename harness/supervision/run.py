@@ -14,6 +14,7 @@ from harness.results.manifest import Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.supervision.checkpoint import CHECKPOINT_FILE
+from harness.supervision.interrupts import INTERRUPTED
 from harness.supervision.limits import Limits
 from harness.supervision.messages import Job, Planned
 from harness.supervision.resume import resumable
@@ -69,6 +70,11 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
             (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
+    if not isinstance(fault, Exception):
+        status = found.recording.leave(_reason(fault), keep_stream=resumable)
+        if isinstance(fault, KeyboardInterrupt):
+            fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {status.until or 0.0:.9g} s")
+        raise fault
     try:
         result = found.recording.finish(_reason(fault), keep_stream=resumable)
     except HarnessError as second:  # a full disk; the rows that were written stay in their stream
@@ -79,14 +85,7 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
         fault = SimulationError(f"{fault}; {_kept(result, folder)}")
     if isinstance(fault, HarnessError):
         fault.result = result
-    if isinstance(fault, KeyboardInterrupt):
-        raise KeyboardInterrupt(_interrupted(result))
     raise fault
-
-
-def _interrupted(result: Result) -> str:
-    until = result.status.until
-    return f"interrupted by Ctrl-C at t = {until or 0.0:.9g} s"
 
 
 def _kept(result: Result, folder: Path) -> str:
@@ -97,6 +96,6 @@ def _kept(result: Result, folder: Path) -> str:
 
 
 def _reason(fault: BaseException) -> str:
-    if isinstance(fault, HarnessError):
+    if isinstance(fault, (HarnessError, KeyboardInterrupt)):
         return str(fault)
     return f"{type(fault).__name__}: {fault}"
