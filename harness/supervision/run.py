@@ -96,6 +96,8 @@ def _kept(result: Result, folder: Path) -> str:
 
 
 def _reason(fault: BaseException) -> str:
-    if isinstance(fault, (HarnessError, KeyboardInterrupt)):
+    if isinstance(fault, KeyboardInterrupt):
+        return str(fault) or INTERRUPTED
+    if isinstance(fault, HarnessError):
         return str(fault)
     return f"{type(fault).__name__}: {fault}"

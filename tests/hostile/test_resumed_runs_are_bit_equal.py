@@ -91,7 +91,7 @@ def test_what_cannot_be_resumed_is_closed(tmp_path: Path, monkeypatch: pytest.Mo
         made.run(tmp_path / "run", progress=interrupt)
     assert {p.name for p in (tmp_path / "run").iterdir()} == {"rows.arrows", "manifest.json"}
     kept = read_recording(tmp_path / "run")
-    with pytest.raises(RecordingError, match="its rows so far are in results.csv"):
+    with pytest.raises(RecordingError, match="its rows so far are in results"):
         made.run(tmp_path / "run", resume=True)
     assert {p.name for p in (tmp_path / "run").iterdir()} == {*FILES, "manifest.json"}
     assert np.array_equal(read_recording(tmp_path / "run").data, kept.data) and len(kept.time) > 50
