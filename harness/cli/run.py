@@ -142,7 +142,9 @@ def _run(
 def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
+    from harness.results.whole import check_free
 
+    check_free(folder, "study.csv")
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("study", total=1.0))
         with Workers(jobs, isolated=True) as workers:
@@ -157,7 +159,9 @@ def _sweep(
 ) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.sweep import run_sweep, write_sweep
+    from harness.results.whole import check_free
 
+    check_free(folder, "regions.csv")
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
         with Workers(jobs, isolated=True) as workers:

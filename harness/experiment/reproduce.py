@@ -15,6 +15,7 @@ from harness.experiment.report import write_report
 from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
+from harness.results.whole import whole
 
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
@@ -198,7 +199,8 @@ def update_readme(reproduction: Reproduction) -> Path:
             text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
         if any(e.regions for e in reproduction.evidence.values()):
             text = _filled(path, text, REGIONS, markdown(region_rows(reproduction)))
-        path.write_text(text, encoding="utf-8")
+        with whole(path) as partial:
+            partial.write_text(text, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be updated: {fault}") from fault
     return path
@@ -254,7 +256,8 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
     )
     try:
         output.mkdir(parents=True, exist_ok=True)
-        path.write_text(page, encoding="utf-8")
+        with whole(path) as partial:
+            partial.write_text(page, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be written: {fault}") from fault
     return path

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
@@ -33,7 +34,7 @@ class RunRecord:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with (folder / RUN_FILE).open("x", encoding="utf-8") as file:
-                file.write(json.dumps(content, indent=2, default=str) + "\n")
+                _write_or_remove(file, json.dumps(content, indent=2, default=str) + "\n")
         except FileExistsError as fault:
             raise RecordingError(
                 f"the run folder {folder} holds a run already; nothing was changed in it: choose "
@@ -44,6 +45,15 @@ class RunRecord:
                 f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another "
                 "one"
             ) from fault
+
+
+def _write_or_remove(file: TextIO, text: str) -> None:
+    try:
+        file.write(text)
+        file.flush()
+    except OSError:
+        Path(file.name).unlink(missing_ok=True)
+        raise
 
 
 def read_run(folder: Path) -> RunRecord:

@@ -21,6 +21,7 @@ from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, PreparedVariant
 from harness.experiment.parallel import Workers, given_or_one
 from harness.results.comparison import PairedDifference, Share, paired_difference, share
+from harness.results.whole import whole
 from harness.supervision.watchdog import allow
 
 Metrics = Mapping[str, float | None]
@@ -71,7 +72,8 @@ class Study:
         path = folder / "study.csv"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self.frame().to_csv(path, index=False)
+            with whole(path) as partial:
+                self.frame().to_csv(partial, index=False)
         except OSError as fault:
             raise RecordingError(f"{path} cannot be written: {fault}") from fault
         return path
