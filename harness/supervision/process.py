@@ -172,6 +172,15 @@ def _live(
         os._exit(0)
 
 
+def _leave_at_once_on_exit() -> None:
+    """An FMU that calls exit() ends the worker, and nothing that the supervisor's libraries have
+    registered for their own end is done in this copy of it: the last one registered is the first
+    to run, and it leaves."""
+    library = ctypes.CDLL(None)
+    if hasattr(library, "on_exit"):  # of the GNU library
+        library.on_exit(library._exit, None)
+
+
 def _settle(folder: Path, supervisor: int) -> None:
     already_isolated()
     with contextlib.suppress(OSError):
@@ -179,6 +188,7 @@ def _settle(folder: Path, supervisor: int) -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != supervisor:
         os._exit(0)
+    _leave_at_once_on_exit()
     faulthandler.disable()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for number in (signal.SIGINT, signal.SIGHUP):

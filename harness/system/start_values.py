@@ -82,7 +82,7 @@ def _number_fault(v: Variable, value: Any) -> str:
         first, last = (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
         if not first <= value <= last:
             return f"must be between {first} and {last} ({v.type}), not {value!r}"
-    elif abs(float(value)) > float(np.finfo(np.float32).max) and v.type == "Float32":
+    elif v.type == "Float32" and abs(float(value)) > float(np.finfo(np.float32).max):
         return f"must fit Float32, not {value!r}"
     beyond = outside(v, float(value))
     return f"is {value!r}, {beyond}" if beyond else ""
