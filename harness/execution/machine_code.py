@@ -37,7 +37,7 @@ def kept(function: Any) -> Any:
 
 def kept_callback(function: FunctionType, signature: Any, **options: Any) -> Any:
     """The same for a C function of `signature`, compiled now or fetched."""
-    made = CFunc(function, normalize_signature(signature), locals={}, options=options)
+    made: Any = CFunc(function, normalize_signature(signature), locals={}, options=options)
     made._cache = _Cache(function)
     made.compile()
     return made
