@@ -19,6 +19,7 @@ FLOORS = (
     "harness.execution",
     "harness.supervision",
     "harness.simulation",
+    "harness.inspection",
     "harness.registry",
     "harness.bench",
     "harness.experiment",

@@ -80,4 +80,7 @@ def run_command_line(arguments: list[str] | None = None) -> int:
     except HarnessError as fault:
         out.print(f"error: {fault}", markup=False, soft_wrap=True)
         return 1
+    except OSError as fault:  # of the system, as where the temporary folder is full
+        out.print(f"error: {fault}", markup=False, soft_wrap=True)
+        return 1
     return 0

@@ -137,10 +137,12 @@ def _run(
 def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
+    from harness.results.whole import check_free
 
+    check_free(folder, "study.csv")
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("study", total=1.0))
-        with Workers(jobs, isolated=True, call=loaded.spec.limits.call) as workers:
+        with Workers(jobs, isolated=True) as workers:
             found = run_study(loaded, workers=workers, progress=moved)
     for table in study_tables(loaded, found):
         console().print(table)
@@ -152,10 +154,12 @@ def _sweep(
 ) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.sweep import run_sweep, write_sweep
+    from harness.results.whole import check_free
 
+    check_free(folder, "regions.csv")
     with bar() as shown:
         moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
-        with Workers(jobs, isolated=True, call=loaded.spec.limits.call) as workers:
+        with Workers(jobs, isolated=True) as workers:
             regions = run_sweep(loaded, variants, workers=workers, progress=moved)
     for name, region in regions.items():
         label = loaded.label(name)

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
@@ -46,7 +46,7 @@ class RunRecord:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with (folder / RUN_FILE).open("x", encoding="utf-8") as file:
-                file.write(json.dumps(content, indent=2, default=str) + "\n")
+                _write_or_remove(file, json.dumps(content, indent=2, default=str) + "\n")
         except FileExistsError as fault:
             raise RecordingError(
                 f"the run folder {folder} holds a run already; nothing was changed in it: choose "
@@ -57,6 +57,15 @@ class RunRecord:
                 f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another "
                 "one"
             ) from fault
+
+
+def _write_or_remove(file: TextIO, text: str) -> None:
+    try:
+        file.write(text)
+        file.flush()
+    except OSError:
+        Path(file.name).unlink(missing_ok=True)
+        raise
 
 
 @contextmanager

@@ -25,12 +25,13 @@ from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba import carray, cfunc, njit, types
+from numba import carray, njit, types
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 from harness.errors import HarnessError
 from harness.execution import operations as op
+from harness.execution.machine_code import kept_callback
 from harness.system.block import Array, Block, StepFunction
 
 _POINTER = types.CPointer(types.float64)
@@ -92,7 +93,7 @@ def _compile(function: FunctionType, name: str) -> Any:
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
-        return cfunc(_SIGNATURE, cache=True, error_model="numpy")(entry)
+        return kept_callback(entry, _SIGNATURE, error_model="numpy")
     except NumbaError as fault:
         raise CompileError(
             f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "

@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from harness.execution import operations as op
+from harness.execution.machine_code import kept
 
 _SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
 _LOWEST = (
@@ -32,7 +33,8 @@ _BOOLEAN = tuple(kind in (op.BOOL8, op.BOOL32) for kind in range(len(_SIZE)))
 _SIGNED = tuple(kind in (op.INT8, op.INT16, op.INT32, op.INT64) for kind in range(len(_SIZE)))
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@kept
+@njit(nogil=True)  # type: ignore[untyped-decorator]
 def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> bool:
     """Write slots first..last-1 of `v` as C numbers of `kind` from byte `start` of `exchange`.
 
@@ -57,7 +59,8 @@ def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) 
     return True
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@kept
+@njit(nogil=True)  # type: ignore[untyped-decorator]
 def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> None:
     """Read C numbers of `kind` from byte `start` of `exchange` into slots first..last-1 of `v`."""
     place, size = start, _SIZE[kind]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Mapping
 
 import numpy as np
@@ -46,8 +47,9 @@ def explain(
     name = getattr(action, "component", "?")
     if outcome == op.EARLY:
         return SimulationError(
-            f"component {name}: {call_name(action)} {when} returned before the end of the step, "
-            "although early return was not allowed at instantiation; report it to its maker"
+            f"component {name}: {call_name(action)} {when} returned before the end of the step"
+            f"{_got_until(program, now)}, although early return was not allowed at instantiation; "
+            "report it to its maker"
         )
     if outcome == op.NOT_CONVERGED:
         return SimulationError(_not_converged(program, when))
@@ -72,10 +74,30 @@ def explain(
             f"{instance.log.reasons()}"
         )
     label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+    if status == DISCARD:
+        label += _got_until(program, now)
     return SimulationError(
         f"component {instance.name}: {call_name(action)} {when} returned {label}: "
         f"{instance.log.reasons()}"
     )
+
+
+def _got_until(program: Program, now: int) -> str:
+    """What an FMI 3 step that ended early says about the time that it reached, as a phrase.
+
+    FMUs that leave that time alone leave the end of an earlier step there, of which nothing is
+    said. After a step that did not end early the standard gives it no meaning.
+    """
+    row = program.code[int(program.clock[OPERATION])]
+    if row[0] != op.STEP_FMI3:
+        return ""
+    last = ctypes.c_double.from_address(int(row[5])).value
+    start, end = to_seconds(now), to_seconds(now + int(row[3]))
+    if start < last < end:
+        return f" (it got to t = {last:.9g} s)"
+    if start <= last <= end:
+        return ""
+    return f" (and its lastSuccessfulTime is {last:.9g}, which is not within the step)"
 
 
 def _not_converged(program: Program, when: str) -> str:

@@ -18,13 +18,15 @@ from numba import njit
 from harness.execution import operations as op
 from harness.execution.calls import call_status, load_int64
 from harness.execution.exchange import decode, encode
+from harness.execution.machine_code import kept
 from harness.execution.operations import CYCLE, INSTANT, OPERATION, ROWS, STATUS
 
 _NANO = 1e9
 _WARNING = 1  # the highest FMI status with which a run goes on
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@kept
+@njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def run_cycles(
     program: Any, instants: Any, span: Any, clock: Any, v: Any, copies: Any, scales: Any,
     samples: Any, cursors: Any, exchange: Any, recorded: Any, rows: Any, row_times: Any,

@@ -284,7 +284,7 @@ def _loop(
     cycle = around.begin(program, instances)
     samples.skip(cycle)
     while cycle < n_cycles:
-        chunk = min(chunk, n_cycles - cycle)
+        chunk = min(chunk, n_cycles - cycle, around.cycles_until(cycle))
         samples.fill(cycle, chunk)
         program.clock[ROWS] = 0
         times, rows = around.room(chunk * rows_per_cycle, len(program.recorded))

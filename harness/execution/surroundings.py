@@ -55,6 +55,10 @@ class Surroundings:
         """Everything is initialised: the cycle to begin with, after bringing the system there."""
         return 0
 
+    def cycles_until(self, cycle: int) -> int:
+        """How many cycles from `cycle` on a chunk may have at most."""
+        return 2**62
+
     def loop(self, inside: bool) -> None:
         """The compiled loop is entered or left."""
 

@@ -15,8 +15,8 @@ from multiprocessing import get_context
 from typing import Self, TypeVar
 
 from harness.errors import SimulationError
-from harness.supervision.limits import CALL_SECONDS
-from harness.supervision.watchdog import watch_over_calls
+from harness.supervision.process import available, compiler_at_rest
+from harness.supervision.watchdog import watch_over_runs
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
@@ -28,14 +28,15 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 class Workers:
     """`count` processes (0 asked for: one a core), started when first needed and then kept, for
     what they have loaded and compiled. A context manager; one worker works here, unless all is
-    to be `isolated` from this process."""
+    to be `isolated` from this process.
 
-    def __init__(
-        self, jobs: int = 0, *, isolated: bool = False, call: float = CALL_SECONDS
-    ) -> None:
-        """Starts nothing. `call`: seconds that a call into an FMU may take."""
-        self._call = call
+    Processes are spawned, so a script that makes them needs `if __name__ == "__main__":`; one that
+    is `forked` has what this process has loaded, and needs nothing."""
+
+    def __init__(self, jobs: int = 0, *, isolated: bool = False, forked: bool = False) -> None:
+        """Starts nothing."""
         self.count = jobs or os.cpu_count() or 1
+        self._method = "fork" if forked else "spawn"
         self._here = self.count <= 1 and not isolated
         self._pool: ProcessPoolExecutor | None = None
 
@@ -97,11 +98,11 @@ class Workers:
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
                 self.count,
-                mp_context=get_context("spawn"),
-                initializer=watch_over_calls,
-                initargs=(self._call,),
+                mp_context=get_context(self._method),
+                initializer=watch_over_runs,
             )
-        with _defaults(dict.fromkeys(ONE_THREAD, "1")):  # processes start at a submission
+        # processes start at a submission
+        with _defaults(dict.fromkeys(ONE_THREAD, "1")), compiler_at_rest():
             return {self._pool.submit(function, task): task for task in tasks}
 
     def close(self) -> None:
@@ -115,6 +116,17 @@ class Workers:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+@contextmanager
+def given_or_one(workers: Workers | None) -> Iterator[Workers]:
+    """The workers given, which stay open; else one process apart from this one, where the system
+    has such."""
+    if workers is not None:
+        yield workers
+        return
+    with Workers(1, isolated=available(), forked=True) as one:
+        yield one
 
 
 @contextmanager

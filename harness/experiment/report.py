@@ -18,6 +18,7 @@ from harness.results.plots import gains_plot, overview_plot, save_figures, signa
 from harness.results.result import Result
 from harness.results.step_response import metric_units
 from harness.results.surface_plot import surfaces_plot
+from harness.results.whole import whole
 
 Results = Mapping[str, Result]
 
@@ -160,7 +161,7 @@ def _units(experiment: Experiment, results: Results) -> dict[str, str]:
 
 def _write_metrics(experiment: Experiment, results: Results, path: Path) -> Path:
     units = _units(experiment, results)
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with whole(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["variant", "metric", "value", "unit"])
         for variant, result in results.items():

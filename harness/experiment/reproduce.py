@@ -10,11 +10,12 @@ from pathlib import Path
 from harness.errors import ExperimentError, HarnessError, RecordingError, UsageError, nearest
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
-from harness.experiment.parallel import Workers
+from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
+from harness.results.whole import whole
 
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
@@ -66,7 +67,7 @@ def reproduce(
     report: Report | None = None,
 ) -> Reproduction:
     """Run every experiment of `paper` and judge its claims; pictures and rows go to `output`.
-    Studies and sweeps are spread over `workers` (None: done here).
+    Studies and sweeps are spread over `workers` (None: one process of its own).
 
     `fast` takes the subset that the experiments declare: enough to see that all of it works, not
     to decide.
@@ -74,12 +75,11 @@ def reproduce(
     _check_claims(paper)
     evidence: dict[str, Evidence] = {}
     pictures: dict[str, tuple[Path, ...]] = {}
-    workers = workers or Workers(1)
-    for name, path in paper.experiments.items():
-        experiment = Experiment.load(path)
-        experiment = experiment.fast() if fast else experiment
-        evidence[name], pictures[name] = _run(experiment, output / name, workers, report)
-
+    with given_or_one(workers) as crew:
+        for name, path in paper.experiments.items():
+            experiment = Experiment.load(path)
+            experiment = experiment.fast() if fast else experiment
+            evidence[name], pictures[name] = _run(experiment, output / name, crew, report)
     verdicts = tuple(judge(claim, evidence.__getitem__) for claim in paper.claims.claims)
     return Reproduction(paper, verdicts, evidence, pictures, fast)
 
@@ -199,7 +199,8 @@ def update_readme(reproduction: Reproduction) -> Path:
             text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
         if any(e.regions for e in reproduction.evidence.values()):
             text = _filled(path, text, REGIONS, markdown(region_rows(reproduction)))
-        path.write_text(text, encoding="utf-8")
+        with whole(path) as partial:
+            partial.write_text(text, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be updated: {fault}") from fault
     return path
@@ -255,7 +256,8 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
     )
     try:
         output.mkdir(parents=True, exist_ok=True)
-        path.write_text(page, encoding="utf-8")
+        with whole(path) as partial:
+            partial.write_text(page, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be written: {fault}") from fault
     return path

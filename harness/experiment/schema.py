@@ -237,9 +237,10 @@ class LimitsSpec(Strict):
 
 class CheckpointSpec(Strict):
     """A checkpoint, from which a run can be resumed, is written `every` so many seconds of wall
-    time; 0: never."""
+    time, and `every_simulated` seconds of simulated time; 0: never."""
 
     every: float = Field(default=CHECKPOINT_SECONDS, ge=0.0)
+    every_simulated: float = Field(default=0.0, ge=0.0)
 
 
 class ExperimentSpec(Strict):
@@ -275,4 +276,7 @@ class ExperimentSpec(Strict):
         """The limits of a run."""
         memory = None if self.limits.memory is None else memory_size(self.limits.memory)
         every = self.checkpoint.every or None
-        return Limits(self.limits.call, self.limits.run, memory, every, self.limits.isolate)
+        return Limits(
+            self.limits.call, self.limits.run, memory, every, self.limits.isolate,
+            self.checkpoint.every_simulated or None,
+        )  # fmt: skip

@@ -19,8 +19,10 @@ from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, PreparedVariant
-from harness.experiment.parallel import Workers
+from harness.experiment.parallel import Workers, given_or_one
 from harness.results.comparison import PairedDifference, Share, paired_difference, share
+from harness.results.whole import whole
+from harness.supervision.watchdog import allow
 
 Metrics = Mapping[str, float | None]
 Task = tuple[str, tuple[int, ...]]
@@ -70,7 +72,8 @@ class Study:
         path = folder / "study.csv"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self.frame().to_csv(path, index=False)
+            with whole(path) as partial:
+                self.frame().to_csv(partial, index=False)
         except OSError as fault:
             raise RecordingError(f"{path} cannot be written: {fault}") from fault
         return path
@@ -82,20 +85,24 @@ def run_study(
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Study:
-    """Run all variants over the seeds of `[study]`, spread over `workers` (None: done here)."""
+    """Run all variants over the seeds of `[study]`, spread over `workers`.
+
+    None: one process of its own, as any run has; `Workers(1)` runs in this one. A run that kills
+    its process is run again under a supervisor, and counts as a lost loop if it does so again.
+    """
     spec = experiment.spec.study
     if spec is None:
         raise ExperimentError(f"{experiment.path} has no table [study]")
-    workers = workers or Workers(1)
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
     found: dict[tuple[str, int], Metrics] = {}
-    tasks = _tasks(experiment, seeds, workers.count)
-    for (variant, some), metrics in workers.spread(
-        partial(_run_seeds, experiment), tasks, careful=partial(_run_apart, experiment)
-    ):
-        found |= {(variant, seed): one for seed, one in zip(some, metrics, strict=True)}
-        if progress is not None:
-            progress(len(found) / (len(seeds) * len(experiment.variants)))
+    with given_or_one(workers) as crew:
+        tasks = _tasks(experiment, seeds, crew.count)
+        for (variant, some), metrics in crew.spread(
+            partial(_run_seeds, experiment), tasks, careful=partial(_run_apart, experiment)
+        ):
+            found |= {(variant, seed): one for seed, one in zip(some, metrics, strict=True)}
+            if progress is not None:
+                progress(len(found) / (len(seeds) * len(experiment.variants)))
     runs = {v: tuple(found[v, seed] for seed in seeds) for v in experiment.variants}
     return Study(experiment, seeds, runs)
 
@@ -115,6 +122,7 @@ def _tasks(experiment: Experiment, seeds: tuple[int, ...], workers: int) -> list
 
 def _run_seeds(experiment: Experiment, task: Task) -> list[Metrics]:
     variant, seeds = task
+    allow(experiment.variant_spec(variant).run_limits())
     with experiment.prepare(variant) as prepared:
         return [_metrics(prepared, seed) for seed in seeds]
 

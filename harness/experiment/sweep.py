@@ -22,10 +22,12 @@ from numpy.typing import NDArray
 
 from harness.errors import ExperimentError, HarnessError, RecordingError, nearest
 from harness.experiment.experiment import Experiment, Table
-from harness.experiment.parallel import Workers
+from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import AxisSpec, FmuSpec, SweepSpec
 from harness.results.plots import axis_label
 from harness.results.result import Result
+from harness.results.whole import whole
+from harness.supervision.watchdog import allow
 
 _CHUNKS = 8  # tasks a process gets, so that progress moves and the load evens out
 
@@ -57,24 +59,28 @@ def run_sweep(
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict[str, Region]:
-    """Run the sweep of each variant, spread over `workers` (None: done here)."""
+    """Run the sweep of each variant, spread over `workers`.
+
+    None: one process of its own, as any run has; `Workers(1)` runs in this one. A point that kills
+    its process is run again under a supervisor, and lies outside if it does so again.
+    """
     spec = _spec(experiment)
-    workers = workers or Workers(1)
     chosen = variants or experiment.variants
-    stride = min(spec.y.count, workers.count * _CHUNKS)
-    tasks = [
-        (variant, tuple(range(first, spec.y.count, stride)))
-        for first in range(stride)
-        for variant in chosen
-    ]
     found = {v: np.full((spec.y.count, spec.x.count), np.nan) for v in chosen}
-    outcomes = workers.spread(
-        partial(_rows, experiment), tasks, careful=partial(_rows_apart, experiment)
-    )
-    for done, ((variant, rows), outcome) in enumerate(outcomes, 1):
-        found[variant][list(rows)] = outcome
-        if progress is not None:
-            progress(done / len(tasks))
+    with given_or_one(workers) as crew:
+        stride = min(spec.y.count, crew.count * _CHUNKS)
+        tasks = [
+            (variant, tuple(range(first, spec.y.count, stride)))
+            for first in range(stride)
+            for variant in chosen
+        ]
+        outcomes = crew.spread(
+            partial(_rows, experiment), tasks, careful=partial(_rows_apart, experiment)
+        )
+        for done, ((variant, rows), outcome) in enumerate(outcomes, 1):
+            found[variant][list(rows)] = outcome
+            if progress is not None:
+                progress(done / len(tasks))
     return {variant: Region(variant, spec, outcome) for variant, outcome in found.items()}
 
 
@@ -86,6 +92,7 @@ def _spec(experiment: Experiment) -> SweepSpec:
 
 def _rows(experiment: Experiment, task: tuple[str, tuple[int, ...]]) -> NDArray[np.float64]:
     variant, rows = task
+    allow(experiment.variant_spec(variant).run_limits())
     count = _spec(experiment).x.count
     with _Points(experiment, variant) as points:
         return np.array([[points.outcome(i, j) for j in range(count)] for i in rows])
@@ -220,8 +227,9 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
     picture, table = folder / "regions.png", folder / "regions.csv"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        region_plot(experiment, regions).savefig(picture)
-        with table.open("w", encoding="utf-8") as file:
+        with whole(picture) as partial:
+            region_plot(experiment, regions).savefig(partial)
+        with whole(table) as partial, partial.open("w", encoding="utf-8") as file:
             file.write("variant,x,y,outcome,inside\n")
             for variant, region in regions.items():
                 for i, y in enumerate(region.spec.y.values):

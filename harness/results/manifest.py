@@ -21,6 +21,7 @@ from typing import Any
 
 from harness.errors import RecordingError
 from harness.results.columns import Column
+from harness.results.whole import whole
 
 FILE_NAME = "manifest.json"
 DEPENDENCIES = ("fmpy", "numpy", "scipy", "casadi", "numba", "llvmlite", "pythonfmu", "pyarrow")
@@ -72,9 +73,8 @@ class Manifest:
     def write(self, folder: Path) -> None:
         """Writes `manifest.json`, whole or not at all."""
         text = json.dumps(dataclasses.asdict(self), indent=2, default=_plain, ensure_ascii=False)
-        partial = folder / (FILE_NAME + ".partial")
-        partial.write_text(text + "\n", encoding="utf-8")
-        partial.replace(folder / FILE_NAME)
+        with whole(folder / FILE_NAME) as partial:
+            partial.write_text(text + "\n", encoding="utf-8")
 
 
 def read_manifest(folder: Path) -> Manifest:

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from harness.errors import RecordingError, UsageError
 from harness.results.result import Result
+from harness.results.whole import whole
 
 Variants = Mapping[str, Result]
 
@@ -216,7 +217,8 @@ def save_figures(folder: Path, figures: Mapping[str, Figure], suffix: str = ".pn
         path = folder / (name + suffix)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            figure.savefig(path)
+            with whole(path) as partial:
+                figure.savefig(partial)
         except (OSError, ValueError) as fault:
             raise RecordingError(f"cannot write the figure {path}: {fault}") from fault
         paths.append(path)

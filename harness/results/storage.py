@@ -24,6 +24,7 @@ from harness.results.columns import (
 )
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
 from harness.results.result import Result
+from harness.results.whole import whole
 
 STREAM_FILE = "rows.arrows"
 PARQUET_FILE = "results.parquet"
@@ -197,7 +198,8 @@ def write_metrics(folder: Path, metrics: Mapping[str, float | None]) -> None:
         for name, value in metrics.items()
     }
     try:
-        (folder / METRICS_FILE).write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
+        with whole(folder / METRICS_FILE) as partial:
+            partial.write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"cannot write the metrics into {folder}: {fault}") from fault
 

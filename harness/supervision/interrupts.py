@@ -7,6 +7,8 @@ import threading
 from types import FrameType
 from typing import Any, Self
 
+INTERRUPTED = "interrupted by Ctrl-C"
+
 
 class TerminatedError(SystemExit):
     """The process was asked to end by SIGTERM; its exit code says so. `result` holds the rows so
@@ -45,4 +47,4 @@ class Interrupts:
 
     def _note(self, number: int, frame: FrameType | None) -> None:
         self._number = number
-        self.reason = "interrupted by Ctrl-C" if number == signal.SIGINT else "ended by SIGTERM"
+        self.reason = INTERRUPTED if number == signal.SIGINT else "ended by SIGTERM"

@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from harness.clock import to_nanoseconds
 from harness.errors import UsageError
 
 CALL_SECONDS = 300.0
@@ -25,21 +26,24 @@ _CGROUP = Path("/sys/fs/cgroup/memory.max")
 class Limits:
     """Limits of one run: seconds a single call may take, seconds the whole run may take (None:
     any), bytes of memory the worker may hold (None: nine tenths of the machine's), and every how
-    many seconds of wall time a checkpoint is written (None: never). With `isolate` the worker gives
-    up what `harness.supervision.isolation` says."""
+    many seconds of wall time, and of simulated time, a checkpoint is written (None: never). With
+    `isolate` the worker gives up what `harness.supervision.isolation` says."""
 
     call: float | None = CALL_SECONDS
     run: float | None = None
     memory: int | None = None
     checkpoint: float | None = CHECKPOINT_SECONDS
     isolate: bool = False
+    checkpoint_simulated: float | None = None
 
     def __post_init__(self) -> None:
         """Raises `UsageError` where a limit is not positive."""
-        for name in ("call", "run", "memory", "checkpoint"):
+        for name in ("call", "run", "memory", "checkpoint", "checkpoint_simulated"):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise UsageError(f"limit {name} must be positive, not {value!r}")
+        if self.checkpoint_simulated is not None:
+            to_nanoseconds(self.checkpoint_simulated, "limit checkpoint_simulated")
 
     @property
     def memory_bytes(self) -> int | None:

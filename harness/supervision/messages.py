@@ -20,14 +20,16 @@ if TYPE_CHECKING:  # a simulation without a loop does not wait for the compiler
 
 @dataclass(frozen=True)
 class Job:
-    """What a worker has to run: `logging` asks FMUs to log, `every` is the seconds between
-    checkpoints (None: none), `resumed` what to begin with."""
+    """What a worker has to run: `logging` asks FMUs to log, `every` is the seconds of wall
+    time and `every_ns` the simulated nanoseconds between checkpoints (None: none), `resumed` what
+    to begin with."""
 
     system: System
     record: tuple[str, ...] = ("*",)
     needed: tuple[str, ...] = ()
     logging: bool = False
     every: float | None = None
+    every_ns: int | None = None
     resumed: Snapshot | None = None
 
 

@@ -27,6 +27,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from harness.errors import HarnessError
+
 _JANITOR = 'read -r worker; read -r _; [ -n "$worker" ] && kill -9 -- "-$worker"; rm -rf -- "$1"'
 _PR_SET_PDEATHSIG = 1
 _DYING_SECONDS = 1.0
@@ -64,13 +66,19 @@ class WorkerProcess:
     """A forked worker that runs `work(connection)`; `connection` is the supervisor's end."""
 
     def __init__(self, work: Callable[[Connection], None]) -> None:
-        self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-run-"))
+        try:
+            self.folder = Path(tempfile.mkdtemp(prefix="fmu-harness-run-"))
+        except OSError as fault:
+            raise HarnessError(
+                f"no temporary folder can be made in {tempfile.gettempdir()}: "
+                f"{fault.strerror or fault}; make room there, or set TMPDIR to another folder"
+            ) from fault
         self._janitor = _janitor(self.folder)  # before the worker, so that no moment lacks one
         self.connection, other = Pipe()
         sys.stdout.flush()
         sys.stderr.flush()
         supervisor = os.getpid()
-        with _compiler_at_rest():
+        with compiler_at_rest():
             self.pid = os.fork()
         if self.pid == 0:
             if self._janitor is not None and self._janitor.stdin is not None:
@@ -131,7 +139,7 @@ class WorkerProcess:
 
 
 @contextlib.contextmanager
-def _compiler_at_rest() -> Iterator[None]:
+def compiler_at_rest() -> Iterator[None]:
     """While open, no other thread compiles: what it held would stay locked in the worker."""
     if "numba" in sys.modules:
         from numba.core.compiler_lock import global_compiler_lock

@@ -1,6 +1,7 @@
 """Whether and from where a run folder can be continued.
 
-This module refuses runs that are complete, and those whose components cannot save their state.
+The rows of a run that cannot be continued are brought into their final form. This module refuses
+runs that are complete, and those whose components cannot save their state.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from harness.errors import RecordingError
 from harness.results.manifest import COMPLETE, read_manifest
+from harness.results.storage import CSV_FILE, seal
 from harness.supervision.checkpoint import Snapshot, read_checkpoint
 
 
@@ -23,9 +25,10 @@ def resumable(folder: Path) -> Snapshot | None:
     content = read_checkpoint(folder)
     if content is None:
         if manifest.not_resumable:
+            seal(folder)
             raise RecordingError(
-                f"the run in {folder} cannot be resumed: {manifest.not_resumable}; run it again "
-                "into another folder"
+                f"the run in {folder} cannot be resumed: {manifest.not_resumable}; its rows so far "
+                f"are in {CSV_FILE}, run it again into another folder"
             )
         return None
     try:

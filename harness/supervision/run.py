@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from harness.clock import to_nanoseconds
 from harness.errors import HarnessError, SimulationError
 from harness.execution.prepared import Echo
 from harness.execution.run import Progress
@@ -13,6 +14,7 @@ from harness.results.manifest import Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.supervision.checkpoint import CHECKPOINT_FILE
+from harness.supervision.interrupts import INTERRUPTED
 from harness.supervision.limits import Limits
 from harness.supervision.messages import Job, Planned
 from harness.supervision.resume import resumable
@@ -40,8 +42,10 @@ def run_supervised(
     """
     limits = limits or Limits()
     every = limits.checkpoint if folder is not None else None
+    apart = limits.checkpoint_simulated if folder is not None else None
+    every_ns = None if apart is None else to_nanoseconds(apart, "limit checkpoint_simulated")
     resumed = resumable(folder) if resume and folder is not None else None
-    job = Job(system, tuple(record), tuple(needed), echo is not None, every, resumed)
+    job = Job(system, tuple(record), tuple(needed), echo is not None, every, every_ns, resumed)
 
     def open_recording(planned: Planned) -> Recording:
         manifest = Manifest(
@@ -66,6 +70,11 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
             (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
+    if not isinstance(fault, Exception):
+        status = found.recording.leave(_reason(fault), keep_stream=resumable)
+        if isinstance(fault, KeyboardInterrupt):
+            fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {status.until or 0.0:.9g} s")
+        raise fault
     try:
         result = found.recording.finish(_reason(fault), keep_stream=resumable)
     except HarnessError as second:  # a full disk; the rows that were written stay in their stream
@@ -76,14 +85,7 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
         fault = SimulationError(f"{fault}; {_kept(result, folder)}")
     if isinstance(fault, HarnessError):
         fault.result = result
-    if isinstance(fault, KeyboardInterrupt):
-        raise KeyboardInterrupt(_interrupted(result))
     raise fault
-
-
-def _interrupted(result: Result) -> str:
-    until = result.status.until
-    return f"interrupted by Ctrl-C at t = {until or 0.0:.9g} s"
 
 
 def _kept(result: Result, folder: Path) -> str:
@@ -94,6 +96,8 @@ def _kept(result: Result, folder: Path) -> str:
 
 
 def _reason(fault: BaseException) -> str:
+    if isinstance(fault, KeyboardInterrupt):
+        return str(fault) or INTERRUPTED
     if isinstance(fault, HarnessError):
         return str(fault)
     return f"{type(fault).__name__}: {fault}"

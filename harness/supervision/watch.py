@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import SimulationError
+from harness.execution.machine_code import say_nothing
 from harness.supervision import sentence
 from harness.supervision.interrupts import Interrupts
 from harness.supervision.isolation import isolate, missing
@@ -68,6 +69,7 @@ class Watch(ABC):
 
         def inside(connection: Connection) -> None:
             if limits.isolate:
+                say_nothing()
                 isolate((Path(tempfile.gettempdir()),), limits.memory_bytes)
             work(connection)
 

@@ -45,8 +45,8 @@ from harness.supervision.messages import (
 )
 from harness.supervision.task import Forward, StopAskedError
 
-_LEAST_ROWS, _MOST_ROWS = 4096, 131072
-_CHUNK_BYTES = 2**24
+_LEAST_ROWS, _MOST_ROWS = 4096, 32768
+_CHUNK_BYTES = 2**23  # memory fresh from the system is slow to touch, and here both sides do
 
 
 def work(job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
@@ -100,6 +100,7 @@ class _Watched(Surroundings):
         self._made_of: dict[str, str] | None = None  # None: no checkpoints
         self._live: tuple[Program, Mapping[str, FmuInstance]] | None = None
         self._saved = time.monotonic()
+        self._apart = 0  # cycles between checkpoints; 0: any number
 
     def tell(self, message: Any) -> None:
         """Send a message to the supervisor; an FMU may log from threads of its own."""
@@ -115,7 +116,9 @@ class _Watched(Surroundings):
         interfaces = {name: fmu.description.co_simulation for name, fmu in fmus.items()}
         can = {name: i is not None and i.can_serialize_fmu_state for name, i in interfaces.items()}
         reason = why_not(plan, can)
-        if self._job.every is not None and not reason:
+        job = self._job
+        wanted = job.every is not None or job.every_ns is not None or job.resumed is not None
+        if wanted and not reason:
             self._made_of = made_of(plan, {name: fmu.sha256 for name, fmu in fmus.items()})
         if self._job.resumed is not None:
             changed = differences(self._job.resumed.made_of, self._made_of or {})
@@ -164,6 +167,7 @@ class _Watched(Surroundings):
         """The first cycle, or that after the checkpoint."""
         self._live = program, instances
         self._saved = time.monotonic()
+        self._apart = _cycles_apart(self._job.every_ns, program.plan.cycle_ns)
         snapshot = self._job.resumed
         if snapshot is None:
             return 0
@@ -176,10 +180,15 @@ class _Watched(Surroundings):
         """Mark that the loop runs."""
         self._marker.looping(inside)
 
+    def cycles_until(self, cycle: int) -> int:
+        """A chunk ends where a checkpoint is due by simulated time."""
+        return self._apart - cycle % self._apart if self._apart else super().cycles_until(cycle)
+
     def between(self, cycle: int) -> None:
         """Save the state where it is time to; end where the supervisor wants it."""
         stop = self._marker.stop_asked
         due = self._job.every is not None and time.monotonic() - self._saved >= self._job.every
+        due = due or (self._apart > 0 and cycle % self._apart == 0)
         if self._made_of is not None and (due or stop):
             self._save(cycle)
         if stop:
@@ -195,3 +204,8 @@ class _Watched(Surroundings):
             return
         self.tell(Checkpoint(snapshot.to_bytes()))
         self._saved = time.monotonic()
+
+
+def _cycles_apart(every_ns: int | None, cycle_ns: int) -> int:
+    """Checkpoints are taken between cycles, so at least one, and rather too late."""
+    return 0 if every_ns is None else -(-every_ns // cycle_ns)

@@ -2,8 +2,8 @@
 
     fmu = hostile_fmu(tmp_path, "DoStep segfault 5", "FreeInstance hang", fmi=2)
 
-Behaviours are lines as `hostile_fmu.c` explains them. The model is a lag with input `u`, output
-`y` and parameter `T`, whose state can be serialised.
+Behaviours are lines as `hostile_fmu.c` explains them. The model is a lag of the inputs `u`
+and `d` with output `y` and parameter `T`, whose state can be serialised.
 """
 
 from __future__ import annotations
@@ -27,13 +27,16 @@ _VARIABLES_2 = """
     <ScalarVariable name="y" valueReference="1" causality="output" variability="continuous"
         initial="exact"><Real start="0"/></ScalarVariable>
     <ScalarVariable name="T" valueReference="2" causality="parameter" variability="fixed"
-        initial="exact"><Real start="0.1"/></ScalarVariable>"""
+        initial="exact"><Real start="0.1"/></ScalarVariable>
+    <ScalarVariable name="d" valueReference="4" causality="input" variability="continuous">
+      <Real start="0"/></ScalarVariable>"""
 _VARIABLES_3 = """
     <Float64 name="time" valueReference="3" causality="independent" variability="continuous"/>
     <Float64 name="u" valueReference="0" causality="input" start="0"/>
     <Float64 name="y" valueReference="1" causality="output" initial="exact" start="0"/>
     <Float64 name="T" valueReference="2" causality="parameter" variability="fixed"
-        initial="exact" start="0.1"/>"""
+        initial="exact" start="0.1"/>
+    <Float64 name="d" valueReference="4" causality="input" start="0"/>"""
 
 
 def description(fmi: int, *, states: bool = True) -> str:

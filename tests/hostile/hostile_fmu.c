@@ -43,7 +43,7 @@ static Fault faults[MOST];
 static int n_faults;
 
 typedef struct {
-    double x, u, T, time;
+    double x, u, T, time, d;
     void *environment;
     void *log;
     char name[128];
@@ -51,7 +51,7 @@ typedef struct {
 } Lag;
 
 typedef struct {
-    double x, u, T, time;
+    double x, u, T, time, d;
 } State;
 
 #if FMI == 2
@@ -243,6 +243,7 @@ static int get(Lag *lag, const unsigned *vr, size_t n, double *values) {
         case 1: values[i] = lag->x; break;
         case 2: values[i] = lag->T; break;
         case 3: values[i] = lag->time; break;
+        case 4: values[i] = lag->d; break;
         default: return ERROR;
     }
     return OK;
@@ -252,6 +253,7 @@ static int put(Lag *lag, const unsigned *vr, size_t n, const double *values) {
     for (size_t i = 0; i < n; i++) {
         if (vr[i] == 0) lag->u = values[i];
         else if (vr[i] == 2) lag->T = values[i];
+        else if (vr[i] == 4) lag->d = values[i];
         else return ERROR;
     }
     return OK;
@@ -262,7 +264,7 @@ static int too_long(const Fault *f, double h) {
 }
 
 static void step(Lag *lag, double t, double h) {
-    lag->x += (lag->u - lag->x) * (1.0 - exp(-h / lag->T));
+    lag->x += (lag->u + lag->d - lag->x) * (1.0 - exp(-h / lag->T));
     lag->time = t + h;
 }
 
@@ -368,19 +370,29 @@ EXPORT int fmi3SetFloat64(void *c, const unsigned *vr, size_t n, const double *v
     int status = m == n ? put(c, vr, n, values) : ERROR;
     return status ? status : status_of(fault);
 }
+/* "middle", "backwards", "last_nan": the time that a step says to have reached; with "early_" or
+   "discard_" before it, in a step that ends so. */
+static double reached(const char *action, double t, double h) {
+    if (strstr(action, "middle")) return t + h / 2;
+    if (strstr(action, "backwards")) return t - h;
+    return strstr(action, "last_nan") ? (double)NAN : t + h;
+}
+
 EXPORT int fmi3DoStep(void *c, double t, double h, bool no_set_state, bool *event, bool *terminate,
                       bool *early, double *last) {
     (void)no_set_state;
     GUARD("DoStep");
+    if (fault && !strncmp(fault->action, "discard_", 8)) {
+        *last = reached(fault->action, t, h);
+        return DISCARD;
+    }
     *event = *terminate = *early = false;
     if (too_long(fault, h)) return ((Lag *)c)->x = NAN, DISCARD;
     step(c, t, h);
-    *last = t + h;
+    *last = fault ? reached(fault->action, t, h) : t + h;
     if (fault && !strcmp(fault->action, "event")) *event = true;
     if (fault && !strcmp(fault->action, "terminate")) *terminate = true;
-    if (fault && !strcmp(fault->action, "early")) *early = true, *last = t + h / 2;
-    if (fault && !strcmp(fault->action, "backwards")) *last = t - h;
-    if (fault && !strcmp(fault->action, "last_nan")) *last = NAN;
+    if (fault && !strncmp(fault->action, "early", 5)) *early = true;
     return status_of(fault);
 }
 #define STATE(verb) fmi3##verb##FMUState
@@ -391,7 +403,7 @@ EXPORT int STATE(Get)(void *c, void **state) {
     GUARD("GetFMUState");
     Lag *lag = c;
     State *s = *state ? *state : malloc(sizeof *s);
-    *s = (State){lag->x, lag->u, lag->T, lag->time};
+    *s = (State){lag->x, lag->u, lag->T, lag->time, lag->d};
     *state = s;
     return status_of(fault);
 }
@@ -399,7 +411,7 @@ EXPORT int STATE(Set)(void *c, void *state) {
     GUARD("SetFMUState");
     Lag *lag = c;
     State *s = state;
-    lag->x = s->x, lag->u = s->u, lag->T = s->T, lag->time = s->time;
+    lag->x = s->x, lag->u = s->u, lag->T = s->T, lag->time = s->time, lag->d = s->d;
     return status_of(fault);
 }
 EXPORT int STATE(Free)(void *c, void **state) {

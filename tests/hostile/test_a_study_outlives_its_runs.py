@@ -56,12 +56,22 @@ def test_study(experiment: Experiment) -> None:
     assert all(0.99 < metrics["last"] < 1.0 for metrics in found.runs["sound"])
 
 
-def test_study_of_a_plant_that_hangs(experiment: Experiment, tmp_path: Path) -> None:
-    hostile_fmu(tmp_path, "DoStep hang 50")
-    hanging = Experiment.load(experiment.path, {"limits": {"call": 0.5}})
-    with Workers(1, isolated=True, call=0.5) as workers, pytest.warns(UserWarning) as told:
-        found = run_study(hanging, workers=workers)
-    assert "doStep by 10 ms at t = 0.5 s had not returned after 0.5 s" in str(told[0].message)
+@pytest.mark.parametrize(
+    ("behaviour", "limits", "words"),
+    [
+        ("hang 50", {"call": 0.5}, "doStep by 10 ms at t = 0.5 s had not returned after 0.5 s"),
+        ("sleep 0 20", {"run": 0.6}, "the run had not ended after 0.6 s"),
+        ("memory 50", {"memory": "700 MiB"}, "more than its limit of 700 MiB"),
+    ],
+)
+def test_study_within_the_limits_of_its_file(
+    experiment: Experiment, tmp_path: Path, behaviour: str, limits: dict[str, object], words: str
+) -> None:
+    hostile_fmu(tmp_path, f"DoStep {behaviour}")
+    limited = Experiment.load(experiment.path, {"limits": limits})
+    with pytest.warns(UserWarning) as told:
+        found = run_study(limited)
+    assert len(told) == 3 and all(words in str(one.message) for one in told)
     assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
 
 

@@ -77,6 +77,26 @@ def test_a_damaged_checkpoint_is_told(tmp_path: Path) -> None:
         made.run(tmp_path / "run", resume=True)
 
 
+def test_what_cannot_be_resumed_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An interrupted run leaves a long stream as it is; who wants to go on gets files of it."""
+    monkeypatch.setattr("harness.results.recording._QUICK_BYTES", 0)
+
+    def interrupt(share: float) -> None:
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    made = bench(tmp_path, "DoStep sleep 0 1", stop_time=2.0)
+    made.controller("python", lambda time: time)
+    with pytest.raises(KeyboardInterrupt, match="interrupted by Ctrl-C at t = "):
+        made.run(tmp_path / "run", progress=interrupt)
+    assert {p.name for p in (tmp_path / "run").iterdir()} == {"rows.arrows", "manifest.json"}
+    kept = read_recording(tmp_path / "run")
+    with pytest.raises(RecordingError, match="its rows so far are in results"):
+        made.run(tmp_path / "run", resume=True)
+    assert {p.name for p in (tmp_path / "run").iterdir()} == {*FILES, "manifest.json"}
+    assert np.array_equal(read_recording(tmp_path / "run").data, kept.data) and len(kept.time) > 50
+
+
 def test_what_cannot_be_resumed_says_why(tmp_path: Path) -> None:
     made = bench(tmp_path, "DoStep abort 50")
     made.controller("python", lambda time: time)

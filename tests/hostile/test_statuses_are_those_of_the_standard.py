@@ -75,6 +75,26 @@ def test_early_return_and_the_wish_to_end(tmp_path: Path, action: str) -> None:
     assert words[action] in str(fault) and "at t = 0.5 s" in str(fault)
 
 
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [
+        ("middle", "(it got to t = 0.505 s)"),
+        ("backwards", "(and its lastSuccessfulTime is 0.49, which is not within the step)"),
+        ("last_nan", "(and its lastSuccessfulTime is nan, which is not within the step)"),
+    ],
+)
+def test_the_time_that_a_step_reached(tmp_path: Path, time: str, words: str) -> None:
+    """It counts where the step ended early or was discarded, and nowhere else."""
+    assert f"before the end of the step {words}" in str(
+        told(tmp_path, f"DoStep early_{time} 50", fmi=3)
+    )
+    assert f"returned Discard {words}: the valve" in str(
+        told(tmp_path, f"DoStep discard_{time} 50", fmi=3)
+    )
+    result = bench(tmp_path, f"DoStep {time} 50").run()
+    assert result.status.state == "complete" and len(result.time) == 101
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("value", ["nan", "infinite"])
 def test_values_that_are_no_numbers(tmp_path: Path, fmi: int, value: str) -> None:
