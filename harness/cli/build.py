@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from harness import registry
+from harness.cli.limits import interruptible
 from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.cli.values import settings
@@ -33,6 +34,12 @@ class Packaging:
         """Keyword arguments of whatever makes an FMU."""
         return {"portable": self.portable, "targets": self.targets}
 
+    def folder(self, version: int) -> str:
+        """Where the FMUs of that FMI version go."""
+        if not self.portable:
+            return f"fmi{version}"
+        return "portable" if version == 2 else f"portable-fmi{version}"
+
 
 Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
 
@@ -45,7 +52,8 @@ def build_command(
         ),
     ] = None,
     fmi: Annotated[
-        list[int] | None, typer.Option(help="FMI version, 2 or 3; both when absent")
+        list[int] | None,
+        typer.Option(help="FMI version, 2 or 3; both when absent, 2 where portable"),
     ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the .fmu files")] = Path("fmu"),
     portable: Annotated[bool, typer.Option(help="Python packaging, no compiler needed")] = False,
@@ -71,7 +79,8 @@ def build_command(
         str | None, typer.Option(help="Name of the FMU, where there is one controller")
     ] = None,
 ) -> None:
-    """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
+    """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu, with
+    --portable OUTPUT/portable/NAME.fmu and, with --fmi 3, OUTPUT/portable-fmi3/NAME.fmu."""
     versions = fmi or ([2] if portable else [2, 3])
     for version in versions:
         if version not in (2, 3):
@@ -84,7 +93,7 @@ def build_command(
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
         raise UsageError("--variant and --component belong to --experiment NAME")
-    with notices():
+    with notices(), interruptible():
         if experiment is not None:
             asked = _of_experiment(
                 experiment, variant, component or [], set_ or [], packaging, name
@@ -100,7 +109,7 @@ def build_command(
             )
         for file_name, make in asked:
             for version in versions:
-                folder = output / ("portable" if portable else f"fmi{version}")
+                folder = output / packaging.folder(version)
                 _copy(make(version), folder / f"{file_name}.fmu")
 
 

@@ -10,6 +10,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
+from harness.cli.limits import interruptible
 from harness.cli.progress import bar
 from harness.cli.terminal import console
 from harness.errors import HarnessError, UsageError
@@ -34,7 +35,7 @@ def doctor_command(
         found = examine(fmu, deadline=deadline)
         typer.echo(json.dumps(found.as_data(), indent=2, ensure_ascii=False))
     else:
-        with bar() as shown:
+        with interruptible(), bar() as shown:
             task = shown.add_task("examination", total=None)
             found = examine(
                 fmu,

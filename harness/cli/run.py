@@ -12,6 +12,7 @@ from rich.progress import Progress, TaskID
 
 from harness import registry
 from harness.cli.experiments import opened_experiment
+from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout
 from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
@@ -20,8 +21,8 @@ from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.bench import Echo
+    from harness.cli.run_record import RunRecord
     from harness.experiment.experiment import Experiment
-    from harness.experiment.run_record import RunRecord
 
 
 def run_command(
@@ -41,19 +42,13 @@ def run_command(
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
     fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
-    call_timeout: Annotated[
-        float | None, typer.Option(help="Seconds that one call into an FMU may take")
-    ] = None,
-    run_timeout: Annotated[float | None, typer.Option(help="Seconds that a run may take")] = None,
-    memory_limit: Annotated[
-        str | None, typer.Option(help="Memory that a run may hold, as in '4 GiB'")
-    ] = None,
-    isolate: Annotated[
-        bool, typer.Option(help="Let FMUs write no file but their own and open no connection")
-    ] = False,
+    call_timeout: CallTimeout = None,
+    run_timeout: RunTimeout = None,
+    memory_limit: MemoryLimit = None,
+    isolate: Isolate = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
-    from harness.experiment.run_record import RunRecord
+    from harness.cli.run_record import RunRecord
 
     limits: dict[str, float | str | None]
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
@@ -66,7 +61,7 @@ def run_command(
             loaded.variant_spec(name)
         folder = output or registry.run_folder(loaded.name)
         if not study and not sweep:
-            record = RunRecord(loaded, chosen)
+            record = RunRecord(loaded, chosen, changed)
             record.write(folder)
             finish_run(record, folder, logging=fmi_logging)
             return

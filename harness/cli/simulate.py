@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout, limits_of
+from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
 from harness.errors import HarnessError, UsageError
+from harness.supervision.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
@@ -59,6 +62,13 @@ def simulate_command(
     value_band: Annotated[
         float, typer.Option(help="Half width of the band in value, relative to the range")
     ] = 0.01,
+    validate: Annotated[
+        bool, typer.Option(help="Refuse an FMU whose description has faults")
+    ] = True,
+    call_timeout: CallTimeout = None,
+    run_timeout: RunTimeout = None,
+    memory_limit: MemoryLimit = None,
+    isolate: Isolate = False,
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
     from harness.fmi.fmu import Fmu
@@ -75,16 +85,19 @@ def simulate_command(
     if input_file is None and beside.inputs is not None:
         input_file = beside.inputs
         _say(f"inputs are taken from {beside.inputs}")
-    with Fmu(fmu) as opened:
+    limits = limits_of(call_timeout, run_timeout, memory_limit, isolate)
+    with notices(), Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:
             output_variables = _recorded(opened, validate_against)
-        starts = _starts(opened, start_values or [])
-        fault: HarnessError | None = None
+        options = vars(given) | {
+            "start_values": _starts(opened, start_values or []), "inputs": input_file,
+            "output_variables": output_variables, "event_mode": None if event_mode else False,
+            "validate": validate, "limits": limits,
+        }  # fmt: skip
+        fault: HarnessError | TerminatedError | None = None
         try:
-            result = _run(
-                opened, given, starts, input_file, output_variables, event_mode, fmi_logging
-            )
-        except HarnessError as caught:
+            result = _run(opened, options, fmi_logging)
+        except (HarnessError, TerminatedError) as caught:
             if caught.result is None:
                 raise
             fault, result = caught, caught.result
@@ -93,9 +106,20 @@ def simulate_command(
         _summary(result)
         _write(result, output_file, plot_file, show_plot)
         if fault is not None:
+            _say(_kept(result, output_file))
             raise fault
         if validate_against is not None:
             _validate(opened, result, validate_against, time_band, value_band)
+
+
+def _kept(result: SimulationResult, output_file: Path | None) -> str:
+    """What became of the rows of a run that ended early."""
+    if not len(result.time):
+        return "there are no rows"
+    until = f"{len(result.time)} rows until t = {result.time[-1]:.9g} s"
+    if output_file is not None:
+        return f"{until} are in {output_file}"
+    return f"{until} were computed; --output-file FILE keeps them"
 
 
 def _filled(given: Request, options: Request, path: Path) -> Request:
@@ -123,26 +147,14 @@ def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:
     return dict(parse_assignment(opened.description, text) for text in texts)
 
 
-def _run(
-    opened: Fmu,
-    request: Request,
-    starts: dict[str, object],
-    input_file: Path | None,
-    variables: list[str] | None,
-    event_mode: bool,
-    logging: bool,
-) -> SimulationResult:
-    from harness.simulation.isolated import simulate_isolated
+def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> SimulationResult:
+    from harness.simulation.simulate import simulate
 
-    options = vars(request) | {
-        "start_values": starts, "inputs": input_file, "output_variables": variables,
-        "event_mode": None if event_mode else False,
-    }  # fmt: skip
     with bar() as shown:
         task = shown.add_task(opened.description.name, total=1.0)
-        return simulate_isolated(
+        return simulate(
             opened.path,
-            options,
+            **options,
             progress=lambda share: shown.update(task, completed=share),
             echo=_echo if logging else None,
         )

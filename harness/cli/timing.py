@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from harness.cli.experiments import opened_experiment
+from harness.cli.limits import interruptible
 from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.cli.values import settings
@@ -35,14 +36,21 @@ def timing_command(
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.execution.run import opened, plan_system
     from harness.execution.timing import measure_delays
+    from harness.supervision.task import Teller, run_task
 
     out = console()
-    with notices(), opened_experiment(experiment, settings(set_ or [])) as loaded:
+    with notices(), interruptible(), opened_experiment(experiment, settings(set_ or [])) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:
             plan = plan_system(system, fmus)
-            delays = measure_delays(system, fmus)
+
+        def measure(teller: Teller) -> dict[Endpoint, tuple[Arrival, ...]]:
+            teller.show_loops()
+            with opened(system) as fmus:
+                return measure_delays(system, fmus)
+
+        delays = run_task(measure, limits=loaded.variant_spec(chosen).run_limits())
     out.print(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
     _print_schedule(out, plan)
     for source, arrivals in delays.items():

@@ -9,6 +9,15 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
+from harness.cli.limits import (
+    CallTimeout,
+    Isolate,
+    MemoryLimit,
+    RunTimeout,
+    interruptible,
+    limits_of,
+)
+from harness.cli.notices import notices
 from harness.cli.terminal import console
 from harness.errors import HarnessError
 
@@ -17,11 +26,16 @@ _SHOWN = 12
 
 def verify_command(
     fmu: Annotated[Path, typer.Argument(help="An .fmu file with a parity certificate")],
+    call_timeout: CallTimeout = None,
+    run_timeout: RunTimeout = None,
+    memory_limit: MemoryLimit = None,
+    isolate: Isolate = False,
 ) -> None:
     """Replay the parity certificate of an FMU; exit code 1 where it does not agree."""
     from harness.export.verify import verify
 
-    found = verify(fmu)
+    with notices(), interruptible():
+        found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
     out, certificate = console(), found.certificate
     out.print(
         f"{certificate.model}: {certificate.rows} steps of {certificate.step:g} s against "

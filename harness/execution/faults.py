@@ -22,7 +22,7 @@ from harness.execution.actions import (
     Write,
 )
 from harness.execution.exchange import encode
-from harness.execution.loop import INSTANT, OPERATION, STATUS
+from harness.execution.operations import INSTANT, OPERATION, STATUS
 from harness.execution.program import Program
 from harness.fmi.instance import DISCARD, FATAL, FmuInstance
 from harness.fmi.logger import STATUS_NAMES

@@ -18,9 +18,7 @@ from numba import njit
 from harness.execution import operations as op
 from harness.execution.calls import call_status, load_int64
 from harness.execution.exchange import decode, encode
-
-CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
-"""Indices into `clock`, the loop's own state, which the caller keeps between calls."""
+from harness.execution.operations import CYCLE, INSTANT, OPERATION, ROWS, STATUS
 
 _NANO = 1e9
 _WARNING = 1  # the highest FMI status with which a run goes on

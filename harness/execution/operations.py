@@ -6,6 +6,9 @@ A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the oth
 
 from __future__ import annotations
 
+CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
+"""Indices into `clock`, the loop's own state, which the caller keeps between calls."""
+
 WIDTH = 11
 
 COPY = 0

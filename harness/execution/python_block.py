@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.clock import NANOSECONDS
-from harness.execution.loop import INSTANT
+from harness.execution.operations import INSTANT
 from harness.system.graph import PythonComponent
 
 _PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int)

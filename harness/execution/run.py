@@ -25,7 +25,8 @@ from harness.errors import FmuError, GraphError, HarnessError, SimulationError, 
 from harness.execution import operations as op
 from harness.execution import surroundings as usual_surroundings
 from harness.execution.faults import EndRequestedError, explain
-from harness.execution.loop import CYCLE, ROWS, run_cycles
+from harness.execution.loop import run_cycles
+from harness.execution.operations import CYCLE, ROWS
 from harness.execution.plan import Plan, make_plan
 from harness.execution.program import Program, link
 from harness.execution.surroundings import Surroundings

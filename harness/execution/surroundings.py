@@ -24,7 +24,7 @@ Rows = NDArray[np.float64]
 
 
 class Surroundings:
-    """A run alone in its process; `clock` is the loop's, see `loop.CYCLE` and its fellows."""
+    """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows."""
 
     def __init__(self) -> None:
         self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from harness.errors import FmuError
 from harness.fmi.fmu import Fmu
+from harness.supervision.limits import Limits
+from harness.supervision.task import Teller, run_task
 
 Array = NDArray[np.float64]
 MEMBER = "extra/fmu-harness.parity/certificate.json"
@@ -81,23 +83,50 @@ def read_certificate(fmu: Fmu) -> Certificate:
     return Certificate.from_bytes(path.read_bytes(), fmu.path)
 
 
-def replay(
-    fmu: Fmu, step: float, inputs: Mapping[str, tuple[float, ...]], outputs: tuple[str, ...]
+def replay_apart(
+    path: Path,
+    step: float,
+    count: int,
+    inputs: Mapping[str, tuple[float, ...]],
+    outputs: tuple[str, ...],
+    limits: Limits | None = None,
 ) -> Array:
-    """Rows of `outputs` after each step with a row of `inputs` held, shape (rows, outputs).
+    """`replay` of the FMU at `path` in a worker process within `limits`; raises `SimulationError`
+    where it dies there, too."""
+
+    def work(teller: Teller) -> Array:
+        with Fmu(path) as fmu:
+            return replay(fmu, step, count, inputs, outputs, teller)
+
+    return run_task(work, limits=limits, file=path)
+
+
+def replay(
+    fmu: Fmu,
+    step: float,
+    count: int,
+    inputs: Mapping[str, tuple[float, ...]],
+    outputs: tuple[str, ...],
+    teller: Teller | None = None,
+) -> Array:
+    """Rows of `outputs` after each of `count` steps with a row of `inputs` (if any) held.
+
+    The shape is (count, outputs).
 
     Raises `FmuError`, for a variable that the FMU does not have, too.
     """
     rows = []
-    with fmu.instantiate("parity") as instance:
+    teller = teller or Teller(print)
+    with fmu.instantiate("parity", echo=lambda message: teller.logged(message.text)) as instance:
         instance.enter_initialization_mode(0.0, None, None)
         instance.exit_initialization_mode()
-        for k, values in enumerate(zip(*inputs.values(), strict=True)):
-            instance.set(dict(zip(inputs, values, strict=True)))
+        for k in range(count):
+            teller.reached(k * step)
+            instance.set({name: column[k] for name, column in inputs.items()})
             instance.do_step(k * step, step)
             rows.append([float(instance.get(name)) for name in outputs])
         instance.terminate()
-    return np.array(rows, dtype=float).reshape(-1, len(outputs))
+    return np.array(rows, dtype=float).reshape(count, len(outputs))
 
 
 def differences(found: Array, certificate: Certificate) -> dict[str, float]:

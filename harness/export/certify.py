@@ -16,8 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from harness.errors import FmuError
-from harness.export.certificate import Array, Certificate, allowed, differences, replay
-from harness.fmi.fmu import Fmu
+from harness.export.certificate import Array, Certificate, allowed, differences, replay_apart
 from harness.system.block import Block
 
 ROWS = 60
@@ -106,8 +105,8 @@ def _certified(
     path: Path, reference: str, step: float, inputs: Columns, outputs: Columns, tolerance: float
 ) -> Certificate:
     draft = Certificate(path.stem, reference, step, inputs, outputs, {}, tolerance, made_with())
-    with Fmu(path) as fmu:
-        found = differences(replay(fmu, step, inputs, tuple(outputs)), draft)
+    rows = replay_apart(path, step, draft.rows, inputs, tuple(outputs))
+    found = differences(rows, draft)
     limits = allowed(draft)
     worst = max(found, key=lambda name: found[name] - limits[name])
     if found[worst] > limits[worst]:

@@ -1,4 +1,4 @@
-"""Replays the parity certificate of an FMU on this machine."""
+"""Replays the parity certificate of an FMU on this machine, in a process of its own."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from harness.export.certificate import (
     allowed,
     differences,
     read_certificate,
-    replay,
+    replay_apart,
 )
 from harness.fmi.fmu import Fmu
+from harness.supervision.limits import Limits
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,18 @@ class Replay:
         return tuple(n for n, value in self.difference.items() if value > self.allowed[n])
 
 
-def verify(path: str | Path) -> Replay:
-    """Replay the certificate of the FMU at `path`; raises `FmuError` when it cannot be done."""
+def verify(path: str | Path, limits: Limits | None = None) -> Replay:
+    """Replay the certificate of the FMU at `path`, in a worker process within `limits`; raises
+    `FmuError` when it cannot be done, and `SimulationError` where the FMU ends its worker."""
+    path = Path(path)
     with Fmu(path) as fmu:
         certificate = read_certificate(fmu)
-        rows = replay(fmu, certificate.step, certificate.inputs, tuple(certificate.outputs))
+    rows = replay_apart(
+        path,
+        certificate.step,
+        certificate.rows,
+        certificate.inputs,
+        tuple(certificate.outputs),
+        limits,
+    )
     return Replay(certificate, differences(rows, certificate), allowed(certificate))

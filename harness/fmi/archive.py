@@ -93,19 +93,23 @@ class Archive:
             )
 
     def _extract(self, archive: zipfile.ZipFile, member: zipfile.ZipInfo, left: int) -> int:
-        """Write one member; its number of bytes, which may not exceed `left`."""
+        """Write one member, or compare one that is there again; its number of bytes, which may
+        not exceed `left`."""
         target = self.folder.joinpath(*(part for part in member.filename.split("/") if part))
         if member.is_dir():
             target.mkdir(parents=True, exist_ok=True)
             return 0
         target.parent.mkdir(parents=True, exist_ok=True)
-        written = 0
-        with archive.open(member) as source, target.open("xb") as made:
+        written, again = 0, target.is_file()
+        with archive.open(member) as source, target.open("rb" if again else "xb") as made:
             while piece := source.read(_PIECE):
                 written += len(piece)
                 if written > min(left, member.file_size):
                     raise zipfile.BadZipFile(f"member {member.filename!r} is larger than declared")
-                made.write(piece)
+                if not again:
+                    made.write(piece)
+                elif made.read(len(piece)) != piece:
+                    raise zipfile.BadZipFile(f"member {member.filename!r} is there twice")
         if written != member.file_size:
             raise zipfile.BadZipFile(
                 f"member {member.filename!r} declares {member.file_size} bytes but has {written}"

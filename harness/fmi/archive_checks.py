@@ -32,20 +32,35 @@ _KINDS = {
 
 
 def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
-    """Raise `FmuError` for the first member of the archive at `path` that may not be unpacked."""
-    seen: dict[str, str] = {}
+    """Raise `FmuError` for the first member of the archive at `path` that may not be unpacked.
+
+    A member may be there again with the same content, as some tools pack it by mistake.
+    """
+    seen: dict[str, zipfile.ZipInfo] = {}
     for member in members:
         fault = _name_fault(member) or _content_fault(member)
         if fault:
             raise FmuError(f"FMU {path} {fault}: {quoted(member.orig_filename)}")
         name = member.filename.rstrip("/")
-        other = seen.setdefault(name.casefold(), name)
-        if other is not name and not member.is_dir():
-            words = "twice" if other == name else f"also as {quoted(other)}, told by case only"
+        first = seen.setdefault(name.casefold(), member)
+        if first is not member and not member.is_dir() and not _same(first, member):
+            other = first.filename.rstrip("/")
+            words = (
+                "twice, with other content"
+                if other == name
+                else f"also as {quoted(other)}, told by case only"
+            )
             raise FmuError(
                 f"FMU {path} has the member {quoted(name)} {words}; names must be unique"
             )
     _check_overlap(path, members)
+
+
+def _same(first: zipfile.ZipInfo, second: zipfile.ZipInfo) -> bool:
+    """Whether two members have one name and, as far as the directory tells, one content."""
+    return (first.filename, first.file_size, first.CRC) == (
+        second.filename, second.file_size, second.CRC,
+    )  # fmt: skip
 
 
 def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.fmi.instance import FmuInstance
+from harness.fmi.mark import calling, returned
 
 _NAMES = {
     "derivatives": ("GetDerivatives", "GetDerivatives", "GetContinuousStateDerivatives"),
@@ -44,9 +45,12 @@ class ContinuousPart:
     def _bind(self, name: str, *types: Any) -> Any:
         prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
         function, handle = prototype(self.instance.address(name)), self.instance.handle
+        component, call = self.instance.name, self.instance.symbol(name)
 
         def bound(*arguments: Any) -> int:
+            calling(component, call)
             status: int = function(handle, *arguments)
+            returned()
             return status
 
         return bound

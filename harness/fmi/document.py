@@ -3,6 +3,9 @@
 The document is parsed here without expanding or loading anything, judged by its root, by the
 schema of the standard and by `xml_checks`, and only then read by FMPy, whose findings and
 exceptions become an `FmuError` of one sentence. Documents with a DOCTYPE are refused.
+
+Who wants an FMU in spite of its faults passes a list for them (`Faults`): what is invalid and can
+be read all the same goes there. What could do harm is refused all the same.
 """
 
 from __future__ import annotations
@@ -20,37 +23,62 @@ from lxml import etree
 
 from harness.errors import FmuError
 from harness.fmi.wording import shorten
-from harness.fmi.xml_checks import document_faults, root_fault, schema_problems
+from harness.fmi.xml_checks import (
+    document_faults,
+    harmful_faults,
+    root_fault,
+    schema_problems,
+)
 
 _BUILD = "sources/buildDescription.xml"
 _SHOWN_FAULTS = 3
+
+Faults = list[str]
+"""Sentences about faults that were let pass."""
 
 MAX_DOCUMENT = 2**28
 """Bytes of a document; it takes some ten times as many in memory."""
 
 
-def read_document(folder: Path, source: Path) -> tuple[Any, Any]:
+def read_document(folder: Path, source: Path, passed: Faults | None = None) -> tuple[Any, Any]:
     """The root element and FMPy's reading of the unpacked FMU in `folder`.
 
     `source` is the archive, for messages. Raises `FmuError` when the document is missing,
     malformed, invalid or of an unknown version.
     """
     root = _root(folder / "modelDescription.xml", source)
-    raise_first(document_faults(root), source)
+    _judge_problems(schema_problems(root), source, passed)
     with faults_of(source):
+        judge(harmful_faults(root), source)
+        judge(document_faults(root), source, passed)
         description = fmpy.read_model_description(str(folder), validate=False)
         problems = validate_model_description(description)
-    if problems:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
+    _judge_problems(problems, source, passed)
     return root, description
 
 
-def raise_first(faults: Iterable[str], source: Path) -> None:
-    """Raise `FmuError` with the first few of `faults`, phrases about the document, if any."""
+def judge(faults: Iterable[str], source: Path, passed: Faults | None = None) -> None:
+    """Raise `FmuError` with the first few of `faults`, phrases about the document, if any; where
+    there is a list `passed` they are added to it."""
     found = list(islice(faults, _SHOWN_FAULTS + 1))
-    if found:
-        more = " (and more)" if len(found) > _SHOWN_FAULTS else ""
-        raise FmuError(f"{_place(source)} {'; '.join(found[:_SHOWN_FAULTS])}{more}")
+    if not found:
+        return
+    more = " (and more)" if len(found) > _SHOWN_FAULTS else ""
+    told = f"{_place(source)} {'; '.join(found[:_SHOWN_FAULTS])}{more}"
+    if passed is None:
+        raise FmuError(told)
+    passed.append(told)
+
+
+def _judge_problems(problems: Sequence[Any], source: Path, passed: Faults | None) -> None:
+    """The same for what a validator finds."""
+    if not problems:
+        return
+    told = f"{_place(source)} is not valid: {_problems(problems)}"
+    if passed is None:
+        raise FmuError(told)
+    if told not in passed:
+        passed.append(told)
 
 
 @contextmanager
@@ -81,9 +109,6 @@ def _root(document: Path, source: Path) -> Any:
     unreadable = root_fault(root)
     if unreadable:
         raise FmuError(f"{_place(source)} {unreadable}")
-    problems = schema_problems(root)
-    if problems:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(problems)}")
     return root
 
 

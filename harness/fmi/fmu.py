@@ -8,6 +8,7 @@ from typing import Self
 
 from harness.errors import FmuError
 from harness.fmi.archive import Archive
+from harness.fmi.document import Faults
 from harness.fmi.fmi1 import Fmi1Instance
 from harness.fmi.fmi2 import Fmi2Instance
 from harness.fmi.fmi3 import Fmi3Instance
@@ -20,19 +21,24 @@ _KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi
 
 
 class Fmu:
-    """An unpacked FMU: `description` is what it says of itself, `sha256` its hash.
+    """An unpacked FMU: `description` is what it says of itself, `sha256` its hash, `notes` the
+    faults of the description that were let pass.
 
     Use as a context manager, or call `close`, to remove the unpacked files.
     """
 
-    def __init__(self, path: str | Path) -> None:
-        """Unpack and read; raises `FmuError`."""
+    def __init__(self, path: str | Path, *, validate: bool = True) -> None:
+        """Unpack and read; raises `FmuError`. Without `validate`, faults of the description that
+        do not keep it from being read are let pass."""
         self.path = Path(path)
+        self.notes: tuple[str, ...] = ()
         self._archive = Archive(self.path)
         self.sha256 = self._archive.sha256
         self.folder = self._archive.folder
         try:
-            self.description = read_model_description(self.folder, self.path)
+            faults = None if validate else Faults()
+            self.description = read_model_description(self.folder, self.path, faults)
+            self.notes = tuple(faults or ())
         except BaseException:
             self.close()
             raise

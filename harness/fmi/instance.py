@@ -290,9 +290,10 @@ class FmuInstance(ABC):
 
     # state
 
-    def get_state(self) -> ctypes.c_void_p:
-        """A snapshot of the whole FMU state; give it back with `free_state`."""
-        state = ctypes.c_void_p()
+    def get_state(self, state: ctypes.c_void_p | None = None) -> ctypes.c_void_p:
+        """A snapshot of the whole FMU state, in the place of an older one where `state` is given;
+        give it back with `free_state`."""
+        state = ctypes.c_void_p() if state is None else state
         self.call("GetFMUState" if self.prefix == "fmi3" else "GetFMUstate", ctypes.pointer(state))
         return state
 

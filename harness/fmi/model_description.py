@@ -22,7 +22,7 @@ from harness.fmi.details import (
     read_details,
     read_display_units,
 )
-from harness.fmi.document import faults_of, raise_first, read_document
+from harness.fmi.document import Faults, faults_of, judge, read_document
 from harness.fmi.value_checks import unit_faults, variable_faults
 from harness.system.units import Unit
 
@@ -167,16 +167,19 @@ def element_names(array: Variable) -> tuple[str, ...]:
     return tuple(f"{array.name}[{','.join(map(str, index))}]" for index in indices)
 
 
-def read_model_description(folder: Path, source: Path) -> ModelDescription:
+def read_model_description(
+    folder: Path, source: Path, passed: Faults | None = None
+) -> ModelDescription:
     """Read the unpacked FMU in `folder`; `source` is the archive, for messages.
 
     Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
+    Where there is a list `passed`, faults that do not keep it from being read go there instead.
     """
-    root, description = read_document(folder, source)
+    root, description = read_document(folder, source, passed)
     with faults_of(source):
         adapted = _adapt(description, root)
-    raise_first(variable_faults(adapted.variables, adapted.fmi_major), source)
-    raise_first(unit_faults(adapted.units), source)
+        judge(variable_faults(adapted.variables, adapted.fmi_major), source, passed)
+        judge(unit_faults(adapted.units), source, passed)
     return adapted
 
 

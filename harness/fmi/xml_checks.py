@@ -56,17 +56,32 @@ def _schema(fmi_major: int) -> etree.XMLSchema:
     return etree.XMLSchema(file=str(path / f"fmi{name}ModelDescription.xsd"))
 
 
-def document_faults(root: Any) -> Iterator[str]:
-    """What is wrong with names and references, as phrases; `root` has passed the schema."""
+def harmful_faults(root: Any) -> Iterator[str]:
+    """What may not be followed even where faults are let pass: names that lead out of the FMU or
+    would garble a terminal, and circles. Values that are none raise `ValueError`."""
     yield from _identifier_faults(root)
-    variables = [v for v in root.find("ModelVariables").iterchildren("*") if v.get("name")]
+    variables = _variables(root)
     for variable in variables:
         if has_control_characters(variable.get("name")):
             yield f"has a variable whose name holds control characters: {_name(variable)}"
     if root.get("fmiVersion") == "2.0":
+        yield from _fmi2_circles(variables)
+    elif root.get("fmiVersion") != "1.0":
+        yield from _fmi3_circles(variables)
+
+
+def document_faults(root: Any) -> Iterator[str]:
+    """What is wrong with references, as phrases; `root` has passed the schema, or values that are
+    none raise `ValueError`."""
+    variables = _variables(root)
+    if root.get("fmiVersion") == "2.0":
         yield from _fmi2_faults(root, variables)
     elif root.get("fmiVersion") != "1.0":
         yield from _fmi3_faults(root, variables)
+
+
+def _variables(root: Any) -> list[Any]:
+    return [v for v in root.find("ModelVariables").iterchildren("*") if v.get("name")]
 
 
 def circle(successors: Mapping[int, Iterable[int]]) -> list[int]:
@@ -104,20 +119,27 @@ def _identifier_faults(root: Any) -> Iterator[str]:
         yield f"has control characters in its modelName {shorten(root.get('modelName'))!r}"
 
 
-def _fmi2_faults(root: Any, variables: list[Any]) -> Iterator[str]:
-    count = len(variables)
-    rates: dict[int, list[int]] = {}
+def _fmi2_rates(variables: list[Any]) -> Iterator[tuple[int, int]]:
+    """Numbers of variables, and of those whose derivatives they are."""
     for position, variable in enumerate(variables, start=1):
         for value in variable.iterchildren("Real"):
-            index = value.get("derivative")
-            if index is not None:
-                rates[position] = [int(index)]
-                if not 1 <= int(index) <= count:
-                    yield f"has {_name(variable)} as derivative of variable {index} of {count}"
-    found = circle(rates)
+            if value.get("derivative") is not None:
+                yield position, int(value.get("derivative"))
+
+
+def _fmi2_circles(variables: list[Any]) -> Iterator[str]:
+    found = circle({position: [index] for position, index in _fmi2_rates(variables)})
     if found:
         names = " -> ".join(_name(variables[i - 1]) for i in found)
         yield f"has variables that are derivatives of one another in a circle: {names}"
+
+
+def _fmi2_faults(root: Any, variables: list[Any]) -> Iterator[str]:
+    count = len(variables)
+    for position, index in _fmi2_rates(variables):
+        if not 1 <= index <= count:
+            variable = variables[position - 1]
+            yield f"has {_name(variable)} as derivative of variable {index} of {count}"
     for unknown in root.iterfind(_FMI2_UNKNOWNS):
         for index in [unknown.get("index"), *(unknown.get("dependencies") or "").split()]:
             if not 1 <= int(index) <= count:
@@ -149,10 +171,8 @@ def _fmi3_faults(root: Any, variables: list[Any]) -> Iterator[str]:
 def _reference_faults(
     variables: list[Any], known: Mapping[int, Any], attribute: str, wanted: tuple[str, ...]
 ) -> Iterator[str]:
-    successors: dict[int, list[int]] = {}
     for variable in variables:
-        references = [int(text) for text in (variable.get(attribute) or "").split()]
-        for reference in references:
+        for reference in _references(variable, attribute):
             target = known.get(reference)
             if target is None:
                 yield f"has {_name(variable)} with {attribute}={reference}, which no variable has"
@@ -161,11 +181,19 @@ def _reference_faults(
                     f"has {_name(variable)} with {attribute}={reference}, but {_name(target)} "
                     f"is of type {target.tag}"
                 )
-        successors[int(variable.get("valueReference"))] = references
-    found = circle(successors)
-    if found and attribute != "previous":
-        names = " -> ".join(_name(known[r]) for r in found if r in known)
-        yield f"has variables whose {attribute} go in a circle: {names}"
+
+
+def _references(variable: Any, attribute: str) -> list[int]:
+    return [int(text) for text in (variable.get(attribute) or "").split()]
+
+
+def _fmi3_circles(variables: list[Any]) -> Iterator[str]:
+    known = {int(v.get("valueReference")): v for v in variables}
+    for attribute in ("derivative", "clocks"):
+        found = circle({key: _references(v, attribute) for key, v in known.items()})
+        if found:
+            names = " -> ".join(_name(known[r]) for r in found if r in known)
+            yield f"has variables whose {attribute} go in a circle: {names}"
 
 
 def _dimension_faults(variable: Any, known: Mapping[int, Any]) -> Iterator[str]:

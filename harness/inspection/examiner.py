@@ -20,6 +20,7 @@ from harness.inspection.catalogue import CHECKS, ELSEWHERE
 from harness.inspection.finding import failed
 from harness.inspection.subject import Subject
 from harness.simulation.settings import interface
+from harness.supervision.process import die_with_parent
 
 
 def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: list[str]) -> None:
@@ -38,5 +39,6 @@ def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: li
 
 
 if __name__ == "__main__":
+    die_with_parent()
     fmu_path, out_path, scratch_path, kind, *wanted = sys.argv[1:]
     examine(Path(fmu_path), Path(out_path), Path(scratch_path), kind, wanted)

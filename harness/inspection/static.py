@@ -61,8 +61,8 @@ def validate(path: str | Path) -> tuple[Problem, ...]:
 
 def _problems(path: Path) -> Iterator[Problem]:
     try:
-        with Fmu(path) as fmu:
-            yield from _document(fmu.folder)
+        with Fmu(path, validate=False) as fmu:
+            yield from _document(fmu)
             yield from _platforms(fmu)
             yield from _claims(fmu.description)
             yield from _variables(fmu.description)
@@ -72,12 +72,18 @@ def _problems(path: Path) -> Iterator[Problem]:
         yield Problem(Severity.ERROR, "archive", str(fault))
 
 
-def _document(folder: Path) -> Iterator[Problem]:
-    """What FMPy's validation finds: schema, names, required start values, model structure."""
+def _document(fmu: Fmu) -> Iterator[Problem]:
+    """What FMPy's validation finds (schema, names, required start values, model structure), and
+    what our own reading does."""
     from fmpy.validation import validate_fmu
 
-    for text in validate_fmu(str(folder)):
-        yield Problem(Severity.ERROR, "modelDescription.xml", " ".join(str(text).split()))
+    place = "modelDescription.xml"
+    found = [" ".join(str(text).split()) for text in validate_fmu(str(fmu.folder))]
+    for text in found:
+        yield Problem(Severity.ERROR, place, text)
+    for note in fmu.notes:
+        if not any(text in note for text in found):
+            yield Problem(Severity.ERROR, place, note.removeprefix(f"{place} of {fmu.path} "))
 
 
 def _kinds(d: ModelDescription) -> dict[str, Capabilities]:

@@ -3,7 +3,7 @@
 At each communication point the inputs of that time are set, the FMU steps, and its outputs are
 read. Communication points are those of the step size, of the output interval, of input events and
 clock ticks where the FMU takes steps of any size. In event mode both sides of an event are
-recorded: its time repeats.
+recorded: its time repeats. Steps that the FMU discards are divided (`retry`).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from harness.simulation.events import EventHandler
 from harness.simulation.grid import Grid, is_close
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
+from harness.simulation.retry import MOST_HALVINGS, Stepper
 from harness.simulation.settings import Settings
 
 
@@ -40,7 +41,17 @@ class CoSimulation:
         assert s.step_size is not None
         self.steps = Grid.of(s.start_time, s.step_size)
         self.rows = Grid.of(s.start_time, s.output_interval or s.step_size)
+        self.stepper = Stepper(self.instance, self.notes)
         self.variable_step = self.instance.capabilities.can_handle_variable_step
+        try:
+            yield from self._steps()
+        finally:
+            self.stepper.close()
+        with suppress(FmuError):  # what was computed is there
+            self.instance.terminate()
+
+    def _steps(self) -> Iterator[float]:
+        s = self.settings
         time = s.start_time
         self.ended = self._initialise(time)
         self.recorder.record(time)
@@ -54,8 +65,6 @@ class CoSimulation:
             yield time
         if self.ended:
             self.notes.append(f"the FMU asked to end the simulation at t = {time:.9g} s")
-        with suppress(FmuError):  # what was computed is there
-            self.instance.terminate()
 
     def _initialise(self, time: float) -> bool:
         s = self.settings
@@ -80,9 +89,10 @@ class CoSimulation:
             self.inputs.apply(self.instance, time)
         else:
             self.inputs.apply_continuous(self.instance, time, after=True)
-        outcome = self.instance.advance(time, target - time)
+        outcome, planned = self.stepper.advance(time, target)
         if outcome.discarded:
             return self._discarded(time, outcome)
+        divided, target = planned < target, planned
         early = outcome.time < target and not is_close(outcome.time, target, target - time)
         reached = outcome.time if early else target
         if early and not self.instance.early_return:
@@ -92,7 +102,8 @@ class CoSimulation:
             )
         event = self.instance.event_mode and self._event_at(time, reached, outcome)
         jump = self.inputs.next_event(time) == reached
-        if event or early or jump or outcome.terminate or self._wanted(reached):
+        wanted = not divided and self._wanted(reached)
+        if event or early or jump or outcome.terminate or wanted:
             self.recorder.record(reached)
         self.ended = outcome.terminate
         if event and not self.ended:
@@ -117,9 +128,15 @@ class CoSimulation:
             return outcome.time
         raise SimulationError(
             f"component {self.instance.name}: the step at t = {time:.9g} s was discarded "
-            f"(computed up to {outcome.time:.9g} s): {self.instance.log.reasons()}; try a smaller "
-            "--step-size"
+            f"(computed up to {outcome.time:.9g} s): {self.instance.log.reasons()}; "
+            f"{self._way_out()}"
         )
+
+    def _way_out(self) -> str:
+        can = self.instance.capabilities
+        if can.can_handle_variable_step and can.can_get_and_set_fmu_state:
+            return f"so were {MOST_HALVINGS} smaller ones, each half as long as the one before"
+        return "the FMU cannot go back, so try a smaller --step-size"
 
     def _note_short(self, time: float, target: float) -> None:
         self.notes.append(

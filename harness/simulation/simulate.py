@@ -6,23 +6,27 @@ import os
 import time as wall_clock
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.errors import FmuError, HarnessError, SimulationError
+from harness.errors import FmuError, HarnessError, SimulationError, UsageError
 from harness.fmi.fmu import Fmu
 from harness.fmi.instance import CO_SIMULATION, FmuInstance
 from harness.fmi.logger import LogMessage
 from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
+from harness.simulation.apart import Ended, Progress, Watched, simulate_apart, simulate_here
 from harness.simulation.clocks import Clocks, has_input_clocks
 from harness.simulation.cosimulation import CoSimulation
 from harness.simulation.input_data import InputData, read_inputs
 from harness.simulation.model_exchange import ModelExchange
-from harness.simulation.outputs import Recorder, Rows, SimulationResult, select
+from harness.simulation.outputs import Recorder, SimulationResult, select
 from harness.simulation.settings import Request, Settings, settle
 from harness.simulation.start_values import set_start_values
+from harness.supervision.limits import Limits
+from harness.supervision.process import available
 
-Progress = Callable[[float], None]
+_NO_TICKS = "the FMU's clocks never tick: co-simulation is done without event mode"
 
 
 def simulate(
@@ -39,9 +43,11 @@ def simulate(
     inputs: InputData | None = None,
     output_variables: Sequence[str] | None = None,
     event_mode: bool | None = None,
+    validate: bool = True,
     progress: Progress | None = None,
     echo: Callable[[LogMessage], None] | None = None,
-    on_rows: Callable[[Rows], None] | None = None,
+    limits: Limits | None = None,
+    in_process: bool | None = None,
 ) -> SimulationResult:
     """Simulate one FMU of FMI 1, 2 or 3, in co-simulation or model exchange.
 
@@ -50,9 +56,13 @@ def simulate(
     `step_size`. `start_values` by name: numbers, arrays, texts, or pairs (value, unit). `inputs`:
     the path of a CSV file, or by name a number, a function of time, or a pair (times, values); see
     `harness.simulation.inputs`. `output_variables`: names, also with * and ?. `event_mode` False
-    keeps an FMI 3 FMU that has one in plain co-simulation. `progress` receives the share that is
-    done, `echo` each message of the FMU. `on_rows` takes the rows away after every step, so that
-    they outlive this process; the result then holds none.
+    keeps an FMI 3 FMU that has one in plain co-simulation. Without `validate`, faults of the model
+    description that do not stop the simulation become notes. `progress` receives the share that
+    is done, `echo` each message of the FMU.
+
+    The FMU runs in a worker process within `limits`, so that one that crashes, hangs or exits ends
+    the simulation and not the caller; functions as inputs are called there too. With `in_process`
+    true all of it happens in this process.
 
     Raises `UsageError` for what cannot be meant, and otherwise a `HarnessError` whose `result`
     holds the rows recorded before the fault.
@@ -61,29 +71,64 @@ def simulate(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
         solver,
     )  # fmt: skip
-    with ExitStack() as stack:
-        opened = fmu if isinstance(fmu, Fmu) else stack.enter_context(Fmu(Path(fmu)))
-        settings = settle(request, opened.description)
-        chosen = select(opened.description, output_variables)
-        notes = list(settings.notes)
-        instance = stack.enter_context(_instance(opened, settings, event_mode, echo, notes))
-        stepping = settings.interface_type == CO_SIMULATION
-        if stepping and not instance.event_mode and has_input_clocks(opened.description):
-            notes.append("the FMU's clocks never tick: co-simulation is done without event mode")
-        set_start_values(instance, start_values or {})
-        tracks = read_inputs(opened.description, inputs, notes, instance.count)
-        clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
-        recorder = Recorder(instance, chosen)
-        kind = CoSimulation if settings.interface_type == CO_SIMULATION else ModelExchange
-        run = kind(instance, settings, tracks, clocks, recorder, notes)
-        return _finish(run.run(), recorder, opened, settings, notes, progress, on_rows)
+    opened = fmu if isinstance(fmu, Fmu) else None
+    path = fmu.path if isinstance(fmu, Fmu) else Path(fmu)
+    job = _Job(
+        path, opened, request, start_values or {}, inputs, output_variables, event_mode, validate
+    )
+    if not in_process and available():
+        return simulate_apart(
+            job.run, path, limits=limits or Limits(), progress=progress, echo=echo
+        )
+    if limits is not None and limits.isolate:
+        raise UsageError("isolation needs a worker process of the run's own, on Linux")
+    return simulate_here(job.run, progress=progress, echo=echo)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What is to be simulated: the FMU at `path`, or where it is `opened` already, that."""
+
+    path: Path
+    opened: Fmu | None
+    request: Request
+    start_values: Mapping[str, Any]
+    inputs: InputData | None
+    output_variables: Sequence[str] | None
+    event_mode: bool | None
+    validate: bool
+
+    def run(self, watched: Watched) -> Ended:
+        """Simulate; faults before the first row are raised, later ones are part of the end."""
+        with ExitStack() as stack:
+            fmu = self.opened or stack.enter_context(Fmu(self.path, validate=self.validate))
+            d = fmu.description
+            settings = settle(self.request, d)
+            chosen = select(d, self.output_variables)
+            notes = [*fmu.notes, *settings.notes]
+            instance = stack.enter_context(
+                _instance(fmu, settings, self.event_mode, watched, notes)
+            )
+            stepping = settings.interface_type == CO_SIMULATION
+            if stepping and not instance.event_mode and has_input_clocks(d):
+                notes.append(
+                    "the FMU's clocks never tick: co-simulation is done without event mode"
+                )
+            refused = None if self.validate else notes
+            set_start_values(instance, self.start_values, notes=refused)
+            tracks = read_inputs(d, self.inputs, notes, instance.count)
+            clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
+            recorder = Recorder(instance, chosen)
+            kind = CoSimulation if stepping else ModelExchange
+            run = kind(instance, settings, tracks, clocks, recorder, notes)
+            return _finish(run.run(), recorder, fmu, settings, notes, watched)
 
 
 def _instance(
     fmu: Fmu,
     settings: Settings,
     event_mode: bool | None,
-    echo: Callable[[LogMessage], None] | None,
+    watched: Watched,
     notes: list[str],
 ) -> FmuInstance:
     d = fmu.description
@@ -94,7 +139,7 @@ def _instance(
     def made(events: bool) -> FmuInstance:
         return fmu.instantiate(
             d.name, interface_type=settings.interface_type, event_mode=events,
-            early_return=events or early, logging=echo is not None, echo=echo,
+            early_return=events or early, logging=watched.logging, echo=watched.log,
         )  # fmt: skip
 
     if not events or event_mode:
@@ -109,29 +154,22 @@ def _instance(
 
 def _finish(
     steps: Any, recorder: Recorder, fmu: Fmu, settings: Settings, notes: list[str],
-    progress: Progress | None, on_rows: Callable[[Rows], None] | None,
-) -> SimulationResult:  # fmt: skip
+    watched: Watched,
+) -> Ended:  # fmt: skip
     began = wall_clock.perf_counter()
     length = settings.stop_time - settings.start_time
     fault: HarnessError | None = None
     try:
         for time in steps:
-            if on_rows is not None and recorder.rows.times:
-                on_rows(recorder.rows.take())
-            if progress is not None and length > 0.0:
-                progress((time - settings.start_time) / length)
+            watched.rows(recorder.rows)
+            watched.reached(time, (time - settings.start_time) / length if length > 0.0 else 1.0)
     except HarnessError as caught:
         fault = caught
     except KeyboardInterrupt:
         until = settings.start_time if recorder.last is None else recorder.last
-        fault = SimulationError(f"interrupted after t = {until:.9g} s")
-    if on_rows is not None:
-        on_rows(recorder.rows.take())
-    result = recorder.rows.result(_manifest(fmu, settings, recorder, fault, began), notes)
-    if fault is not None:
-        fault.result = result
-        raise fault
-    return result
+        fault = SimulationError(f"interrupted by Ctrl-C at t = {until:.9g} s")
+    watched.rows(recorder.rows)
+    return fault, _manifest(fmu, settings, recorder, fault, began), tuple(notes)
 
 
 def _manifest(

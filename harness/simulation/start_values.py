@@ -21,7 +21,8 @@ import numpy as np
 from harness.errors import UnitError, UsageError, nearest
 from harness.fmi.fmi3 import Fmi3Instance
 from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import REAL_TYPES, ModelDescription, Variable
+from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
+from harness.fmi.value_checks import outside
 from harness.fmi.values import Values, flat, parse_value
 from harness.system.units import conversion, parse_unit
 
@@ -57,15 +58,20 @@ def _split(d: ModelDescription, text: str) -> tuple[str, str, str]:
     return name.strip(), equals, value
 
 
-def set_start_values(instance: FmuInstance, given: Mapping[str, Any]) -> None:
+def set_start_values(
+    instance: FmuInstance, given: Mapping[str, Any], notes: list[str] | None = None
+) -> None:
     """Set the start values before initialisation; raises `UsageError` or `FmuError` naming what
-    cannot be set. Values are numbers, texts, arrays, pairs (value, unit) or `StartValue`."""
+    cannot be set. Values are numbers, texts, arrays, pairs (value, unit) or `StartValue`. One
+    outside the variable's limits is refused, or set and told in `notes` where there are any."""
     resolved = {name: _given(value) for name, value in given.items()}
     structural: dict[str, int] = {}
     for name, start in resolved.items():
         variable = instance.description.variables.get(name)
         if variable is not None and variable.causality == "structuralParameter":
-            structural[name] = int(flat(_converted(instance, variable, start))[0])
+            size = _converted(instance, variable, start)
+            _check_limits(name, variable, size, notes)
+            structural[name] = int(flat(size)[0])
     if structural:
         if not isinstance(instance, Fmi3Instance):
             raise UsageError("structural parameters exist in FMI 3 only")
@@ -77,6 +83,7 @@ def set_start_values(instance: FmuInstance, given: Mapping[str, Any]) -> None:
         variable, index = _target(instance, name)
         _check_settable(instance.description, variable)
         value = _converted(instance, variable, start, element=index is not None)
+        _check_limits(name, variable, value, notes)
         if index is None:
             instance.set({variable.name: value})
         else:
@@ -128,6 +135,20 @@ def _check_settable(d: ModelDescription, v: Variable) -> None:
         raise UsageError(
             f"variable {v.name!r} takes no start value: it is {why}; {nearest(v.name, settable)}"
         )
+
+
+def _check_limits(name: str, v: Variable, value: Values, notes: list[str] | None) -> None:
+    if v.type not in REAL_TYPES and v.type not in INTEGER_TYPES:
+        return
+    for number in flat(value):
+        fault = outside(v, float(number))
+        if fault and notes is None:
+            raise UsageError(
+                f"start value of {name!r} is {number}, {fault}; --no-validate (validate=False) "
+                "sets it all the same"
+            )
+        if fault and notes is not None:
+            notes.append(f"start value of {name!r} is {number}, {fault}")
 
 
 def _converted(

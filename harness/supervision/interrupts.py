@@ -9,7 +9,10 @@ from typing import Any, Self
 
 
 class TerminatedError(SystemExit):
-    """The process was asked to end by SIGTERM; its exit code says so."""
+    """The process was asked to end by SIGTERM; its exit code says so. `result` holds the rows so
+    far, or None where there are none to give."""
+
+    result: Any = None
 
 
 class Interrupts:

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.execution.loop import CYCLE, INSTANT, OPERATION, ROWS
+from harness.execution.operations import CYCLE, INSTANT, OPERATION, ROWS
 
 CLOCK_SIZE = 8
-_SEQUENCE, _PLACE, _CHUNK, _STOP, _LOGGED = range(CLOCK_SIZE, CLOCK_SIZE + 5)
+_SEQUENCE, _PLACE, _CHUNK, _STOP, _LOGGED, _TIME = range(CLOCK_SIZE, CLOCK_SIZE + 6)
 _TEXT, _TEXT_SIZE = 256, 768
 _LOG, _LOG_LINES, _LOG_SIZE = 1024, 3, 512
 _SIZE = 4096
@@ -31,8 +31,9 @@ WORKING, CALLING, LOOPING = range(3)
 @dataclass(frozen=True)
 class Where:
     """What the worker was doing: `component` and `call` where it is in a call outside the loop,
-    `operation` where it is in the loop; `now_ns` is the loop's time. Two equal ones mean that
-    nothing has moved."""
+    `operation` where it is in the loop; `now_ns` is the loop's time, `reached` that of a
+    simulation without the loop (s; None: there is none). Two equal ones mean that nothing has
+    moved."""
 
     place: int
     sequence: int
@@ -41,6 +42,7 @@ class Where:
     cycle: int
     now_ns: int
     operation: int
+    reached: float | None = None
 
 
 def shared_file(size: int) -> int:
@@ -57,15 +59,23 @@ class Marker:
         self._memory = mmap.mmap(-1, _SIZE)  # shared with forked children
         self._numbers: NDArray[np.int64] = np.frombuffer(self._memory, dtype=np.int64)[:16]
         self.clock: NDArray[np.int64] = self._numbers[:CLOCK_SIZE]
+        self._cells = memoryview(self._memory).cast("q")  # the same numbers, quicker one by one
+        self._time: NDArray[np.float64] = self._numbers[_TIME : _TIME + 1].view(np.float64)
+        self._time[0] = np.nan
 
     # the worker's side
 
     def calling(self, component: str, call: str) -> None:
         """Note a call outside the loop; two empty strings: it is over."""
-        text = f"{component}\0{call}\0".encode()[: _TEXT_SIZE - 1] + b"\0"
-        self._memory[_TEXT : _TEXT + len(text)] = text
-        self._numbers[_PLACE] = CALLING if call else WORKING
-        self._numbers[_SEQUENCE] += 1
+        if call:
+            text = f"{component}\0{call}\0".encode()[: _TEXT_SIZE - 1] + b"\0"
+            self._memory[_TEXT : _TEXT + len(text)] = text
+        self._cells[_PLACE] = CALLING if call else WORKING
+        self._cells[_SEQUENCE] += 1
+
+    def reached(self, time: float) -> None:
+        """Note the time (s) that a simulation outside the loop has reached."""
+        self._time[0] = time
 
     def looping(self, inside: bool) -> None:
         """Note that the loop runs, or does not."""
@@ -87,7 +97,7 @@ class Marker:
     @property
     def stop_asked(self) -> bool:
         """Whether the supervisor wants the run to end."""
-        return bool(self._numbers[_STOP])
+        return bool(self._cells[_STOP])
 
     # the supervisor's side
 
@@ -106,6 +116,7 @@ class Marker:
         component, _, rest = text.partition("\0")
         place = int(self._numbers[_PLACE])
         outside = place == CALLING
+        reached = float(self._time[0])
         return Where(
             place,
             int(self._numbers[_SEQUENCE]),
@@ -114,6 +125,7 @@ class Marker:
             int(self.clock[CYCLE]),
             int(self.clock[INSTANT]),
             int(self.clock[OPERATION]),
+            reached if reached == reached else None,
         )
 
     def log_lines(self) -> list[str]:

@@ -7,13 +7,15 @@ import traceback
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from harness.execution.run import Outcome
-from harness.fmi.logger import LogMessage
-from harness.results.columns import Column
-from harness.results.manifest import FmuRecord
-from harness.supervision.checkpoint import Snapshot
-from harness.system.graph import System
+if TYPE_CHECKING:  # a simulation without a loop does not wait for the compiler
+    from harness.execution.run import Outcome
+    from harness.fmi.logger import LogMessage
+    from harness.results.columns import Column
+    from harness.results.manifest import FmuRecord
+    from harness.supervision.checkpoint import Snapshot
+    from harness.system.graph import System
 
 
 @dataclass(frozen=True)

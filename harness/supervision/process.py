@@ -45,6 +45,21 @@ def already_isolated() -> None:
     _inside = True
 
 
+def memory_of(pid: int) -> int:
+    """Bytes of memory that a process holds; 0 where it is gone or cannot be asked."""
+    try:
+        held = Path(f"/proc/{pid}/statm").read_text().split()[1]
+    except (OSError, IndexError):
+        return 0
+    return int(held) * os.sysconf("SC_PAGE_SIZE")
+
+
+def die_with_parent() -> None:
+    """From now on this process is killed when the one that started it ends; on Linux only."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
 class WorkerProcess:
     """A forked worker that runs `work(connection)`; `connection` is the supervisor's end."""
 
@@ -76,11 +91,7 @@ class WorkerProcess:
 
     def memory(self) -> int:
         """Bytes of memory that the worker holds; 0 where it is gone."""
-        try:
-            held = Path(f"/proc/{self.pid}/statm").read_text().split()[1]
-        except (OSError, IndexError):
-            return 0
-        return int(held) * os.sysconf("SC_PAGE_SIZE")
+        return memory_of(self.pid)
 
     def gone(self) -> bool:
         """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
@@ -172,7 +183,7 @@ def _settle(folder: Path, supervisor: int) -> None:
     already_isolated()
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    die_with_parent()
     if os.getppid() != supervisor:
         os._exit(0)
     _leave_at_once_on_exit()

@@ -26,10 +26,12 @@ _MEANINGS = {
 
 @dataclass
 class Calls:
-    """Who is who: FMU files by component, and what each operation of the program is."""
+    """Who is who: FMU files by component, or the `only` one, and what each operation of the
+    program is."""
 
     files: Mapping[str, Path] = field(default_factory=dict)
     linked: Linked | None = None
+    only: Path | None = None
 
     def place(self, where: Where) -> str:
         """Component, file, call and time, as far as they are known."""
@@ -39,9 +41,12 @@ class Calls:
             component, call = self.linked.calls[int(index[where.operation])]
         if self.linked is not None:
             when = f" at t = {to_seconds(where.now_ns):.9g} s"
+        elif where.reached is not None:
+            when = f" at t = {where.reached:.9g} s"
         if not call:
             return f"the worker process{when}"
-        file = f" ({self.files[component]})" if component in self.files else ""
+        path = self.files.get(component, self.only)
+        file = f" ({path})" if path is not None else ""
         owner = f"component {component}{file}: " if component else ""
         return f"{owner}{call}{when}"
 

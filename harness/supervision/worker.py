@@ -6,7 +6,6 @@ the state for checkpoints go to the supervisor.
 
 from __future__ import annotations
 
-import io
 import sys
 import time
 from collections.abc import Mapping
@@ -19,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import ExperimentError, FmuError
-from harness.execution.faults import call_name
-from harness.execution.loop import CYCLE, INSTANT
+from harness.execution.operations import CYCLE, INSTANT
 from harness.execution.plan import Plan
 from harness.execution.prepared import check_needed
 from harness.execution.program import Program
@@ -33,6 +31,7 @@ from harness.fmi.logger import LogMessage
 from harness.fmi.wording import shorten
 from harness.results.manifest import FmuRecord
 from harness.supervision.checkpoint import differences, made_of, restore, take, why_not
+from harness.supervision.loops import linked_program
 from harness.supervision.marker import Marker, RowMemory
 from harness.supervision.messages import (
     Checkpoint,
@@ -40,25 +39,20 @@ from harness.supervision.messages import (
     Ended,
     Heard,
     Job,
-    Linked,
     Planned,
-    Printed,
     Room,
     packed,
 )
+from harness.supervision.task import Forward, StopAskedError
 
 _LEAST_ROWS, _MOST_ROWS = 4096, 131072
 _CHUNK_BYTES = 2**24
 
 
-class StopAskedError(BaseException):
-    """The supervisor wants the run to end."""
-
-
 def work(job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
     """Run `job` to its end and tell it; `row_memory` is the descriptor of the rows' memory."""
-    sys.stdout = _Forward(connection, "stdout")
-    sys.stderr = _Forward(connection, "stderr")
+    sys.stdout = Forward(connection.send, "stdout")
+    sys.stderr = Forward(connection.send, "stderr")
     mark.watch(marker.calling)
     try:
         ended = _run(job, _Watched(job, connection, marker, row_memory))
@@ -164,17 +158,7 @@ class _Watched(Surroundings):
 
     def linked(self, program: Program) -> None:
         """Tell what each operation of the program is."""
-        places: dict[int, int] = {}
-        calls: list[tuple[str, str]] = []
-        index = np.zeros(len(program.owners), dtype=np.int32)
-        for i, action in enumerate(program.owners):
-            if id(action) not in places:
-                places[id(action)] = len(calls)
-                calls.append((getattr(action, "component", ""), call_name(action)))
-            index[i] = places[id(action)]
-        system = program.plan.lowered.system
-        cycles = (system.stop_ns - system.start_ns) // program.plan.cycle_ns + 1
-        self.tell(Linked(tuple(calls), index.tobytes(), cycles))
+        self.tell(linked_program(program))
 
     def begin(self, program: Program, instances: Mapping[str, FmuInstance]) -> int:
         """The first cycle, or that after the checkpoint."""
@@ -211,27 +195,3 @@ class _Watched(Surroundings):
             return
         self.tell(Checkpoint(snapshot.to_bytes()))
         self._saved = time.monotonic()
-
-
-class _Forward(io.TextIOBase):
-    """Text of Python code in the worker, on its way to the caller's own streams, line by line."""
-
-    def __init__(self, connection: Connection, stream: str) -> None:
-        self._connection, self._stream, self._held = connection, stream, ""
-
-    def writable(self) -> bool:
-        """Yes."""
-        return True
-
-    def write(self, text: str) -> int:
-        """Send what is a whole line, keep the rest."""
-        self._held += text
-        if "\n" in text or len(self._held) > 4096:
-            self.flush()
-        return len(text)
-
-    def flush(self) -> None:
-        """Send what is held."""
-        if self._held:
-            held, self._held = self._held, ""
-            self._connection.send(Printed(self._stream, held))

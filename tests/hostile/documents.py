@@ -65,9 +65,6 @@ CHANGES: dict[str, Change] = {
     "start beyond Int8": _more(
         3, '<Int8 name="i" valueReference="9" causality="parameter" start="300"/>', "not valid"
     ),
-    "start below min": (2, '<Real start="0.1"/>', '<Real start="0.1" min="1"/>',
-                        "'T' with a start value of 0.1, below its min 1"),
-    "start above max": (3, 'start="0.1"', 'start="0.1" max="0.01"', "above its max 0.01"),
     "min above max": (2, '<Real start="0.1"/>', '<Real start="1" min="2" max="0"/>',
                       "'T' with min 2 above max 0"),
     "no start": (2, '<Real start="0.1"/>', "<Real/>", "has no start value"),

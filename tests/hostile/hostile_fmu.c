@@ -7,6 +7,8 @@
        GetFloat64 nan 3
        Terminate hang
        DoStep sleep 0 20          every step from the first on takes 20 ms
+       DoStep too_long 0 3000     steps longer than 3000 us are discarded
+       DoStep halfway             FMI 2: steps are discarded, half of them being done
 
    A phase is the name of an FMI function without its prefix, or `load` or `unload`. The library
    finds its archive by its own place, so that it misbehaves also while it is being loaded.
@@ -255,6 +257,10 @@ static int put(Lag *lag, const unsigned *vr, size_t n, const double *values) {
     return OK;
 }
 
+static int too_long(const Fault *f, double h) {
+    return f && !strcmp(f->action, "too_long") && h > 1e-6 * f->argument;
+}
+
 static void step(Lag *lag, double t, double h) {
     lag->x += (lag->u - lag->x) * (1.0 - exp(-h / lag->T));
     lag->time = t + h;
@@ -315,8 +321,15 @@ EXPORT int fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *valu
 EXPORT int fmi2DoStep(void *c, double t, double h, int no_set_state) {
     (void)no_set_state;
     GUARD("DoStep");
-    step(c, t, h);
-    return status_of(fault);
+    if (too_long(fault, h)) return ((Lag *)c)->x = NAN, DISCARD; /* only a snapshot helps */
+    int half = fault && !strcmp(fault->action, "halfway") && h > 1e-4;
+    step(c, t, half ? h / 2 : h);
+    return half ? DISCARD : status_of(fault);
+}
+EXPORT int fmi2GetRealStatus(void *c, int kind, double *value) {
+    (void)kind;
+    *value = ((Lag *)c)->time;
+    return OK;
 }
 EXPORT int fmi2GetBooleanStatus(void *c, int kind, int *value) {
     (void)c, (void)kind;
@@ -360,6 +373,7 @@ EXPORT int fmi3DoStep(void *c, double t, double h, bool no_set_state, bool *even
     (void)no_set_state;
     GUARD("DoStep");
     *event = *terminate = *early = false;
+    if (too_long(fault, h)) return ((Lag *)c)->x = NAN, DISCARD;
     step(c, t, h);
     *last = t + h;
     if (fault && !strcmp(fault->action, "event")) *event = true;

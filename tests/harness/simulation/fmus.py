@@ -205,10 +205,12 @@ def model_fmu(kind: str) -> Path:
 
 
 @cache
-def crashing_fmu(action: str) -> Path:
-    """The FMU of FMI 2 that does `action` (C) in the step that would pass 0.55 s."""
-    flags = [f"-DCRASH={action}", "-include", "stdlib.h", "-include", "unistd.h"]
-    return packed(f"2-{abs(hash(action))}", _fmi2(), SOURCES / "fmi2.c", flags)
+def crashing_fmu(action: str, *, rates: bool = False) -> Path:
+    """The FMU of FMI 2 that does `action` (C) in the step that would pass 0.55 s, or in the 51st
+    evaluation of its `rates`."""
+    place = "CRASH_RATES" if rates else "CRASH"
+    flags = [f"-D{place}={action}", "-include", "stdlib.h", "-include", "unistd.h"]
+    return packed(f"2-{abs(hash((action, place)))}", _fmi2(), SOURCES / "fmi2.c", flags)
 
 
 def compiled(source: Path, library: Path, flags: Iterable[str] = ()) -> Path:

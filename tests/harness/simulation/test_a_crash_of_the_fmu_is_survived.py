@@ -1,5 +1,5 @@
-"""In a process of its own an FMU may crash, end the process or hang: the caller lives, with the
-rows that came before; and where nothing goes wrong the result is the same."""
+"""In a worker an FMU may crash, end the process or hang: the caller lives, with the rows that came
+before; and where nothing goes wrong the result is that of a simulation in this process."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ import pytest
 from harness import simulate
 from harness.cli.main import run_command_line
 from harness.errors import FmuError, SimulationError
-from harness.simulation.isolated import simulate_isolated
+from harness.supervision.limits import Limits
 from tests.harness.simulation.fmus import crashing_fmu, model_fmu, needs_compiler
 
 pytestmark = [needs_compiler, pytest.mark.skipif(os.name == "nt", reason="signals")]
@@ -24,15 +24,15 @@ OPTIONS = {"stop_time": 1.0, "step_size": 0.1}
 @pytest.mark.parametrize(
     ("action", "words"),
     [
-        ("raise(11)", "it crashed with SIGSEGV"),
-        ("abort()", "it crashed with SIGABRT"),
-        ("exit(3)", "it ended with exit code 3"),
-        ("_exit(0)", "it ended with exit code 0"),
+        ("raise(11)", "crashed with SIGSEGV"),
+        ("abort()", "crashed with SIGABRT"),
+        ("exit(3)", r"ended the process as by exit\(3\)"),
+        ("_exit(0)", r"ended the process as by exit\(0\)"),
     ],
 )
 def test_rows_before_a_crash_are_kept(action: str, words: str) -> None:
-    with pytest.raises(SimulationError, match=rf"down after t = 0\.5 s: {words}") as caught:
-        simulate_isolated(crashing_fmu(action), OPTIONS)
+    with pytest.raises(SimulationError, match=rf"fmi2DoStep at t = 0\.5 s {words}") as caught:
+        simulate(crashing_fmu(action), **OPTIONS)
     result = caught.value.result
     assert result.time.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
     assert result["counter"].tolist() == [0, 0, 0, 1, 1, 2]
@@ -46,7 +46,7 @@ def test_what_a_crash_left_unpacked_is_removed(
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(SimulationError):
-        simulate_isolated(path, OPTIONS)
+        simulate(path, **OPTIONS)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -68,18 +68,43 @@ def test_a_hang_ends_with_an_interrupt() -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=interrupt, daemon=True).start()
-    with pytest.raises(SimulationError, match="interrupted"):
-        simulate_isolated(crashing_fmu("for(;;)sleep(1)"), OPTIONS)
+    with pytest.raises(SimulationError, match=r"interrupted by Ctrl-C at t = 0\.5 s") as caught:
+        simulate(crashing_fmu("for(;;)sleep(1)"), **OPTIONS)
+    assert len(caught.value.result.time) == 6
+
+
+def test_a_hang_has_a_deadline() -> None:
+    with pytest.raises(SimulationError, match=r"had not returned after 0\.2 s"):
+        simulate(crashing_fmu("for(;;)sleep(1)"), **OPTIONS, limits=Limits(call=0.2))
+
+
+@pytest.mark.parametrize(
+    ("action", "words"), [("for(;;)sleep(1)", "had not returned after 0"), ("raise(11)", "SIGSEGV")]
+)
+def test_so_have_the_rates_of_model_exchange(action: str, words: str) -> None:
+    limits, path = Limits(call=0.2), crashing_fmu(action, rates=True)
+    with pytest.raises(SimulationError, match=rf"fmi2GetDerivatives at t = .*{words}") as caught:
+        simulate(path, interface_type="me", stop_time=1.0, output_interval=0.01, limits=limits)
+    assert len(caught.value.result.time) > 1
+
+
+def test_functions_as_inputs_work_in_the_worker() -> None:
+    offset = 1.0
+    result = simulate(model_fmu("2"), **OPTIONS, inputs={"u": lambda t: t + offset},
+                      output_variables=["u"])  # fmt: skip
+    held = [0.0, *result.time[:-1]]  # what is set at t holds until the next row
+    assert result["u"].tolist() == pytest.approx([t + offset for t in held], abs=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["1-slave", "2", "3"])
 def test_without_a_fault_the_result_is_the_same(kind: str) -> None:
-    here, there = simulate(model_fmu(kind), **OPTIONS), simulate_isolated(model_fmu(kind), OPTIONS)
+    here = simulate(model_fmu(kind), **OPTIONS, in_process=True)
+    there = simulate(model_fmu(kind), **OPTIONS)
     assert here.order == there.order and here.notes == there.notes
     assert all(np.array_equal(here[name], there[name]) for name in here.order)
 
 
 def test_faults_come_back_as_they_are() -> None:
     with pytest.raises(FmuError, match=r"returned Error: no step beyond 0\.45 s") as caught:
-        simulate_isolated(model_fmu("1-slave"), OPTIONS | {"start_values": {"end": 0.45}})
+        simulate(model_fmu("1-slave"), **OPTIONS, start_values={"end": 0.45})
     assert list(caught.value.result.time) == [0.0, 0.1, 0.2, 0.3, 0.4]

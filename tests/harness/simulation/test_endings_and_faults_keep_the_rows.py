@@ -108,7 +108,9 @@ def test_a_step_event_is_handled_where_the_fmu_asks_for_it(
         return len(asked) == 3, len(asked) == 6
 
     monkeypatch.setattr(Fmi2Instance, "completed_integrator_step", completed)
-    result = simulate(model_fmu("2"), interface_type="me", stop_time=1.0, output_interval=0.5)
+    result = simulate(
+        model_fmu("2"), interface_type="me", stop_time=1.0, output_interval=0.5, in_process=True
+    )
     gaps = [b - a for a, b in pairwise(result.time)]
     assert gaps.count(0.0) == 1 and len(asked) == 6  # both sides of one event, then the end
     assert result.time[-1] < 0.5 and "asked to end" in result.notes[0]

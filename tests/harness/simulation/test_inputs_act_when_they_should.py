@@ -172,6 +172,6 @@ def test_an_interrupt_keeps_the_rows() -> None:
             raise KeyboardInterrupt
         return 0.0
 
-    with pytest.raises(SimulationError, match=r"interrupted after t = 0\.6 s") as caught:
+    with pytest.raises(SimulationError, match=r"interrupted by Ctrl-C at t = 0\.6 s") as caught:
         simulate(model_fmu("2"), stop_time=1.0, step_size=0.1, inputs={"u": impatient})
     assert len(caught.value.result.time) == 7
