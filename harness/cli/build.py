@@ -34,6 +34,12 @@ class Packaging:
         """Keyword arguments of whatever makes an FMU."""
         return {"portable": self.portable, "targets": self.targets}
 
+    def folder(self, version: int) -> str:
+        """Where the FMUs of that FMI version go."""
+        if not self.portable:
+            return f"fmi{version}"
+        return "portable" if version == 2 else f"portable-fmi{version}"
+
 
 Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
 
@@ -46,7 +52,8 @@ def build_command(
         ),
     ] = None,
     fmi: Annotated[
-        list[int] | None, typer.Option(help="FMI version, 2 or 3; both when absent")
+        list[int] | None,
+        typer.Option(help="FMI version, 2 or 3; both when absent, 2 where portable"),
     ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the .fmu files")] = Path("fmu"),
     portable: Annotated[bool, typer.Option(help="Python packaging, no compiler needed")] = False,
@@ -72,7 +79,8 @@ def build_command(
         str | None, typer.Option(help="Name of the FMU, where there is one controller")
     ] = None,
 ) -> None:
-    """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu."""
+    """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu, with
+    --portable OUTPUT/portable/NAME.fmu and, with --fmi 3, OUTPUT/portable-fmi3/NAME.fmu."""
     versions = fmi or ([2] if portable else [2, 3])
     for version in versions:
         if version not in (2, 3):
@@ -101,7 +109,7 @@ def build_command(
             )
         for file_name, make in asked:
             for version in versions:
-                folder = output / ("portable" if portable else f"fmi{version}")
+                folder = output / packaging.folder(version)
                 _copy(make(version), folder / f"{file_name}.fmu")
 
 

@@ -53,17 +53,19 @@ def doctor_command(
 
 def _show(found: Diagnosis) -> None:
     out = console()
-    out.print(_findings(found))
+    for kind in dict.fromkeys(f.interface_type for f in found.findings):
+        out.print(_findings(found, kind))
     out.print(_allowances(found))
     for lie in found.lies:
         out.print(Text(f"contradicted by its behaviour: {lie}", style="bold red"), soft_wrap=True)
 
 
-def _findings(found: Diagnosis) -> Table:
-    table = Table(title=f"{found.path}", title_justify="left", box=None, padding=(0, 2))
+def _findings(found: Diagnosis, kind: str) -> Table:
+    head = Text(f"{found.path.name}, FMI {found.description.fmi_version}, {kind}")
+    table = Table(title=head, title_justify="left", box=None, padding=(0, 2))
     for title in ("check", "verdict", "what was seen"):
         table.add_column(title)
-    for f in found.findings:
+    for f in (f for f in found.findings if f.interface_type == kind):
         verdict = Text(str(f.verdict), style=_STYLES[str(f.verdict)])
         table.add_row(Text(f.check), verdict, Text(f.detail))
     return table

@@ -17,8 +17,7 @@ def resume_command(
 ) -> None:
     """Go on with an interrupted run: variants that are complete are kept, others continue from
     their last checkpoint or begin."""
-    from harness.experiment.run_record import read_run
+    from harness.cli.run_record import opened_run
 
-    with notices():
-        record = read_run(folder)
+    with notices(), opened_run(folder) as record:
         finish_run(record, folder, logging=fmi_logging, resume=True)

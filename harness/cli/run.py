@@ -21,8 +21,8 @@ from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.bench import Echo
+    from harness.cli.run_record import RunRecord
     from harness.experiment.experiment import Experiment
-    from harness.experiment.run_record import RunRecord
 
 
 def run_command(
@@ -48,7 +48,7 @@ def run_command(
     isolate: Isolate = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
-    from harness.experiment.run_record import RunRecord
+    from harness.cli.run_record import RunRecord
 
     limits: dict[str, float | str | None]
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
@@ -61,7 +61,7 @@ def run_command(
             loaded.variant_spec(name)
         folder = output or registry.run_folder(loaded.name)
         if not study and not sweep:
-            record = RunRecord(loaded, chosen)
+            record = RunRecord(loaded, chosen, changed)
             record.write(folder)
             finish_run(record, folder, logging=fmi_logging)
             return

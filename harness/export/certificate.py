@@ -86,6 +86,7 @@ def read_certificate(fmu: Fmu) -> Certificate:
 def replay_apart(
     path: Path,
     step: float,
+    count: int,
     inputs: Mapping[str, tuple[float, ...]],
     outputs: tuple[str, ...],
     limits: Limits | None = None,
@@ -95,7 +96,7 @@ def replay_apart(
 
     def work(teller: Teller) -> Array:
         with Fmu(path) as fmu:
-            return replay(fmu, step, inputs, outputs, teller)
+            return replay(fmu, step, count, inputs, outputs, teller)
 
     return run_task(work, limits=limits, file=path)
 
@@ -103,11 +104,14 @@ def replay_apart(
 def replay(
     fmu: Fmu,
     step: float,
+    count: int,
     inputs: Mapping[str, tuple[float, ...]],
     outputs: tuple[str, ...],
     teller: Teller | None = None,
 ) -> Array:
-    """Rows of `outputs` after each step with a row of `inputs` held, shape (rows, outputs).
+    """Rows of `outputs` after each of `count` steps with a row of `inputs` (if any) held.
+
+    The shape is (count, outputs).
 
     Raises `FmuError`, for a variable that the FMU does not have, too.
     """
@@ -116,13 +120,13 @@ def replay(
     with fmu.instantiate("parity", echo=lambda message: teller.logged(message.text)) as instance:
         instance.enter_initialization_mode(0.0, None, None)
         instance.exit_initialization_mode()
-        for k, values in enumerate(zip(*inputs.values(), strict=True)):
+        for k in range(count):
             teller.reached(k * step)
-            instance.set(dict(zip(inputs, values, strict=True)))
+            instance.set({name: column[k] for name, column in inputs.items()})
             instance.do_step(k * step, step)
             rows.append([float(instance.get(name)) for name in outputs])
         instance.terminate()
-    return np.array(rows, dtype=float).reshape(-1, len(outputs))
+    return np.array(rows, dtype=float).reshape(count, len(outputs))
 
 
 def differences(found: Array, certificate: Certificate) -> dict[str, float]:

@@ -105,7 +105,8 @@ def _certified(
     path: Path, reference: str, step: float, inputs: Columns, outputs: Columns, tolerance: float
 ) -> Certificate:
     draft = Certificate(path.stem, reference, step, inputs, outputs, {}, tolerance, made_with())
-    found = differences(replay_apart(path, step, inputs, tuple(outputs)), draft)
+    rows = replay_apart(path, step, draft.rows, inputs, tuple(outputs))
+    found = differences(rows, draft)
     limits = allowed(draft)
     worst = max(found, key=lambda name: found[name] - limits[name])
     if found[worst] > limits[worst]:

@@ -42,6 +42,11 @@ def verify(path: str | Path, limits: Limits | None = None) -> Replay:
     with Fmu(path) as fmu:
         certificate = read_certificate(fmu)
     rows = replay_apart(
-        path, certificate.step, certificate.inputs, tuple(certificate.outputs), limits
+        path,
+        certificate.step,
+        certificate.rows,
+        certificate.inputs,
+        tuple(certificate.outputs),
+        limits,
     )
     return Replay(certificate, differences(rows, certificate), allowed(certificate))

@@ -76,13 +76,23 @@ class ContinuousPart:
 
     def nominals(self) -> NDArray[np.float64]:
         """The nominal values of the states, shape (nx,): 1 where the FMU does not say."""
+        nominal = np.abs(self.stated_nominals())
+        return np.where(np.isfinite(nominal) & (nominal > 0.0), nominal, 1.0)
+
+    def stated_nominals(self) -> NDArray[np.float64]:
+        """The nominal values as the FMU states them, shape (nx,): legal or not."""
         nominal = np.ones(self.nx)
         name = self._nominal_name
         if self.nx and self.instance.offers(name):
             status = self._vector(name, self.nx)(nominal.ctypes.data)
             self.instance.check(status, name)
-        nominal = np.abs(nominal)
-        return np.where(np.isfinite(nominal) & (nominal > 0.0), nominal, 1.0)
+        return nominal
+
+    def derivatives(self) -> NDArray[np.float64]:
+        """The derivatives of the states, shape (nx,); raises `FmuError`."""
+        rates = np.zeros(self.nx)
+        self.instance.check(self.get_derivatives(rates.ctypes.data), "Get(derivatives)")
+        return rates
 
     def move(self, time: float, x: NDArray[np.float64]) -> None:
         """Set time and states; raises `FmuError`."""

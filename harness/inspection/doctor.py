@@ -21,9 +21,13 @@ from pathlib import Path
 from typing import Any
 
 from harness.fmi.fmu import Fmu
+from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE, capabilities
+from harness.fmi.model_description import ModelDescription
 from harness.fmi.temporary import make_folder
-from harness.inspection.checks import CHECKS, CYCLES
+from harness.inspection.allowances import Allowance, allowances
+from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, failed, passed
+from harness.inspection.snapshots import left_behind
 from harness.supervision.limits import Limits, show_memory
 from harness.supervision.process import memory_of
 
@@ -32,19 +36,9 @@ DEADLINE = 60.0
 
 _POLL = 0.02  # s
 _END = "lets its process end"
-_REPEATS = "repeats a run"
 
 Progress = Callable[[str, int, int], None]
 """Called with the name of the check that begins, its number, and how many there are."""
-
-
-@dataclass(frozen=True)
-class Allowance:
-    """Whether one way of using the FMU here is safe, and why not where it is not."""
-
-    use: str
-    allowed: bool
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -53,6 +47,7 @@ class Diagnosis:
 
     path: Path
     sha256: str
+    description: ModelDescription
     findings: tuple[Finding, ...]
 
     @property
@@ -67,119 +62,129 @@ class Diagnosis:
 
     @property
     def allowances(self) -> tuple[Allowance, ...]:
-        """The uses that need more than a step, and whether the findings allow them."""
-        by_check = {f.check: f for f in self.findings}
-        return tuple(
-            _allowance(use, [by_check[need] for need in needs if need in by_check])
-            for use, needs in _NEEDS.items()
-        )
+        """The uses that the FMU might be put to, and whether the findings allow them."""
+        return allowances(self.description, self.findings)
 
     def as_data(self) -> dict[str, Any]:
         """Plain values for JSON."""
         return {
             "fmu": str(self.path),
             "sha256": self.sha256,
+            "fmi_version": self.description.fmi_version,
             "healthy": self.healthy,
             "findings": [f.as_data() for f in self.findings],
             "lies": list(self.lies),
             "allowed": {a.use: a.allowed for a in self.allowances},
+            "reasons": {a.use: a.reason for a in self.allowances if not a.allowed},
         }
-
-
-_NEEDS = {
-    "jacobi and gauss-seidel": ("runs",),
-    "iterative, snapshots": ("runs", "restores a snapshot"),
-    "delays within a step": ("runs", "takes other steps"),
-    "several instances in one run": ("runs", "instantiates twice"),
-    "reset between runs": ("runs", "resets"),
-    "exact sensitivity": ("runs", "derivatives"),
-    "long studies in one process": ("runs", f"survives {CYCLES} instances"),
-}
-
-
-def _allowance(use: str, needed: list[Finding]) -> Allowance:
-    for finding in needed:
-        if finding.verdict is not Verdict.PASSED:
-            return Allowance(use, False, f"{finding.check}: {finding.detail}")
-    return Allowance(use, bool(needed), "" if needed else "not examined")
 
 
 def examine(
     path: Path, *, deadline: float = DEADLINE, progress: Progress | None = None
 ) -> Diagnosis:
-    """Examine the FMU at `path`; raises `FmuError` when it cannot even be read.
+    """Examine the FMU at `path`, each kind of interface that it offers.
 
-    `deadline` (s) bounds each check.
+    `deadline` (s) bounds each check. Raises `FmuError` when the FMU cannot even be read, or offers
+    neither co-simulation nor model exchange.
     """
     with Fmu(path) as fmu:
-        sha256 = fmu.sha256
-    findings = list(_findings(path, list(CHECKS), deadline, progress))
-    return Diagnosis(path, sha256, (*findings, *_in_another_process(path, findings, deadline)))
-
-
-def _findings(
-    path: Path, names: list[str], deadline: float, progress: Progress | None
-) -> Iterator[Finding]:
-    left = list(names)
-    while left:
-        first = left[0]
-        for finding in _one_process(path, left, deadline, progress):
-            if finding.check in left:
-                left = left[left.index(finding.check) + 1 :]
-            yield finding
-        assert not left or left[0] != first  # each process settles one check at least
-
-
-def _one_process(
-    path: Path, names: list[str], deadline: float, progress: Progress | None
-) -> Iterator[Finding]:
-    """Findings until the process has ended, by itself or not."""
-    most = Limits().memory_bytes
+        sha256, description = fmu.sha256, fmu.description
+    offered = {CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange}
+    kinds = [kind for kind, one in offered.items() if one is not None]
+    if not kinds:
+        capabilities(description, CO_SIMULATION)
+    findings: list[Finding] = []
     with closing(_Folder()) as folder:
-        out, words = folder.path / "findings", folder.path / "words"
-        out.touch()
-        process = _start(path, out, words, names)
-        running, left, since, position = "", list(names), time.monotonic(), 0
-        try:
-            while True:
-                ended = process.poll() is not None
-                lines, position = _new_lines(out, position)
-                for line in lines:
-                    since = time.monotonic()
-                    if "begins" in line:
-                        running = line["begins"]
-                        if progress is not None:
-                            progress(running, len(CHECKS) - len(left), len(CHECKS))
-                    else:
-                        running, left = "", left[1:]
-                        yield Finding.from_data(line)
-                if ended:
-                    break
-                if time.monotonic() - since > deadline:
-                    yield replace(failed(f"no end within {deadline:g} s"), check=running or _END)
-                    return
-                if most is not None and memory_of(process.pid) > most:
-                    told = f"held more than {show_memory(most)} of memory"
-                    yield replace(failed(told), check=running or _END)
-                    return
-                time.sleep(_POLL)
-        finally:
-            _end(process)
-        if process.returncode or left:
-            detail = _death(process.returncode, words.read_text("utf-8", "replace"))
-            yield replace(failed(detail), check=running or (left or [_END])[0])
+        for kind in kinds:
+            ward = _Ward(path, kind, folder.path, deadline, progress)
+            found = list(ward.findings(list(CHECKS[kind])))
+            findings += [*found, *ward.elsewhere(found)]
+    return Diagnosis(path, sha256, description, tuple(findings))
 
 
-def _start(path: Path, out: Path, words: Path, names: list[str]) -> subprocess.Popen[bytes]:
-    """The process; what it unpacks goes away with the folder of `out`, and it has a group of its
-    own with all that the FMU starts."""
-    command = [sys.executable, "-m", "harness.inspection.examiner", str(path), str(out), *names]
-    surroundings = os.environ | {"TMPDIR": str(out.parent)}
-    with words.open("wb") as file:
-        return subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=surroundings,
-            start_new_session=True,
-        )  # fmt: skip
+@dataclass(frozen=True)
+class _Ward:
+    """The examination of one kind of interface; `scratch` is shared by its processes."""
+
+    path: Path
+    interface_type: str
+    scratch: Path
+    deadline: float
+    progress: Progress | None
+
+    def findings(self, names: list[str]) -> Iterator[Finding]:
+        """Those of the checks called `names`, in as many processes as it takes."""
+        left = list(names)
+        while left:
+            first = left[0]
+            for finding in self.one_process(left):
+                if finding.check in left:
+                    left = left[left.index(finding.check) + 1 :]
+                yield replace(finding, interface_type=self.interface_type)
+            assert not left or left[0] != first  # each process settles one check at least
+
+    def elsewhere(self, before: list[Finding]) -> Iterator[Finding]:
+        """What a fresh process makes of what the first one has left."""
+        digest = next((f.data["digest"] for f in before if "digest" in f.data), None)
+        names = [REPEATS_ELSEWHERE] * (digest is not None)
+        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type)
+        for finding in self.findings(names):
+            compare = finding.check == REPEATS_ELSEWHERE
+            yield _compared(digest, finding) if compare else finding
+
+    def one_process(self, names: list[str]) -> Iterator[Finding]:
+        """Findings until the process has ended, by itself or not."""
+        most = Limits().memory_bytes
+        with closing(_Folder()) as folder:
+            out, words = folder.path / "findings", folder.path / "words"
+            out.touch()
+            process = self._start(out, words, names)
+            running, left, since, position = "", list(names), time.monotonic(), 0
+            try:
+                while True:
+                    ended = process.poll() is not None
+                    lines, position = _new_lines(out, position)
+                    for line in lines:
+                        since = time.monotonic()
+                        if "begins" in line:
+                            running = line["begins"]
+                            self._tell(running)
+                        else:
+                            running, left = "", left[1:]
+                            yield Finding.from_data(line)
+                    if ended:
+                        break
+                    if time.monotonic() - since > self.deadline:
+                        detail = f"no end within {self.deadline:g} s"
+                        yield replace(failed(detail), check=running or _END)
+                        return
+                    if most is not None and memory_of(process.pid) > most:
+                        told = f"held more than {show_memory(most)} of memory"
+                        yield replace(failed(told), check=running or _END)
+                        return
+                    time.sleep(_POLL)
+            finally:
+                _end(process)
+            if process.returncode or left:
+                detail = _death(process.returncode, words.read_text("utf-8", "replace"))
+                yield replace(failed(detail), check=running or (left or [_END])[0])
+
+    def _tell(self, name: str) -> None:
+        every = list(CHECKS[self.interface_type] | ELSEWHERE)
+        if self.progress is not None:
+            self.progress(f"{self.interface_type}: {name}", every.index(name), len(every))
+
+    def _start(self, out: Path, words: Path, names: list[str]) -> subprocess.Popen[bytes]:
+        """The process; what it unpacks goes away with the folder of `out`, and it has a group of
+        its own with all that the FMU starts."""
+        where = (str(self.path), str(out), str(self.scratch), self.interface_type)
+        command = [sys.executable, "-m", "harness.inspection.examiner", *where, *names]
+        surroundings = os.environ | {"TMPDIR": str(out.parent)}
+        with words.open("wb") as file:
+            return subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=surroundings,
+                start_new_session=True,
+            )  # fmt: skip
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -221,19 +226,11 @@ def _death(code: int, words: str) -> str:
     return f"the process ended with exit code {code}{said}"
 
 
-def _in_another_process(path: Path, findings: list[Finding], deadline: float) -> Iterator[Finding]:
-    """Whether a run in a fresh process gives the bits of the first one."""
-    first = next((f.data["digest"] for f in findings if "digest" in f.data), None)
-    if first is None:
-        return
-    for finding in _one_process(path, [_REPEATS], deadline, None):
-        if finding.check == _REPEATS:
-            yield replace(_compared(first, finding), check="repeats in a new process")
-
-
-def _compared(first: str, finding: Finding) -> Finding:
+def _compared(first: str | None, finding: Finding) -> Finding:
+    """The finding about a run in a new process, whose hash should be `first`."""
+    judged = finding
     if finding.data.get("digest") == first:
-        return passed("bit for bit")
-    if finding.verdict is Verdict.FAILED:
-        return failed(finding.detail)
-    return failed("the values depend on the process, as uninitialised memory does")
+        judged = passed("bit for bit")
+    elif finding.verdict is not Verdict.FAILED:
+        judged = failed("the values depend on the process, as uninitialised memory does")
+    return replace(judged, check=finding.check, interface_type=finding.interface_type)

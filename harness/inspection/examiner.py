@@ -1,4 +1,6 @@
-"""The disposable process of an examination: `python -m harness.inspection.examiner FMU OUT NAMES`.
+"""The disposable process of an examination:
+
+    python -m harness.inspection.examiner FMU OUT SCRATCH INTERFACE_TYPE NAME…
 
 Writes one JSON line to OUT when a check begins and one when it has ended, so that whoever started
 it knows where it died. It refuses to print and to recover from anything but a fault that the
@@ -14,25 +16,29 @@ from pathlib import Path
 
 from harness.errors import HarnessError
 from harness.fmi.fmu import Fmu
-from harness.inspection.checks import CHECKS
+from harness.inspection.catalogue import CHECKS, ELSEWHERE
 from harness.inspection.finding import failed
 from harness.inspection.subject import Subject
+from harness.simulation.settings import interface
 from harness.supervision.process import die_with_parent
 
 
-def examine(path: Path, out: Path, names: list[str]) -> None:
+def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: list[str]) -> None:
     """Run the checks called `names`, in order."""
     with Fmu(path) as fmu, out.open("a", encoding="utf-8", buffering=1) as lines:
-        subject = Subject(fmu)
+        subject = Subject(fmu, interface(interface_type, fmu.description), scratch)
+        known = CHECKS[interface_type] | ELSEWHERE
         for name in names:
             lines.write(json.dumps({"begins": name}) + "\n")
             try:
-                finding = CHECKS[name](subject)
+                finding = known[name](subject)
             except HarnessError as fault:
                 finding = failed(str(fault))
-            lines.write(json.dumps(replace(finding, check=name).as_data()) + "\n")
+            found = replace(finding, check=name, interface_type=interface_type)
+            lines.write(json.dumps(found.as_data()) + "\n")
 
 
 if __name__ == "__main__":
     die_with_parent()
-    examine(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
+    fmu_path, out_path, scratch_path, kind, *wanted = sys.argv[1:]
+    examine(Path(fmu_path), Path(out_path), Path(scratch_path), kind, wanted)

@@ -19,7 +19,7 @@ class Verdict(StrEnum):
 @dataclass(frozen=True)
 class Finding:
     """The verdict of the check called `check` and a phrase of `detail`; whoever runs the check
-    gives it its name.
+    gives it its name and the kind of interface that was examined.
 
     `lies` are statements of the model description that the behaviour contradicts; `data` are
     figures for other programs.
@@ -30,6 +30,7 @@ class Finding:
     detail: str
     lies: tuple[str, ...] = ()
     data: dict[str, Any] = field(default_factory=dict)
+    interface_type: str = ""
 
     def as_data(self) -> dict[str, Any]:
         """Plain values for JSON."""

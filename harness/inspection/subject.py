@@ -1,7 +1,7 @@
-"""An FMU under examination: how to bring it up, move it and watch it.
+"""An FMU under examination: one kind of its interfaces, the times, and the variables to watch.
 
-Inputs move a little about their start values, the same way in every run, so that a fault which
-needs a moving input shows. This module refuses to judge.
+Start time, step and tolerance are those with which `simulate` would run it. This module refuses
+to judge.
 """
 
 from __future__ import annotations
@@ -9,125 +9,127 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cached_property
-from math import sin
-
-import numpy as np
-from numpy.typing import NDArray
+from pathlib import Path
 
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import FmuInstance
+from harness.fmi.instance import MODEL_EXCHANGE, InterfaceType, capabilities
 from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
+from harness.inspection.excitation import moving_inputs
+from harness.inspection.motion import Array, Motion, motion_of
+from harness.simulation.inputs import Inputs
+from harness.simulation.settings import Request, settle
 
-Array = NDArray[np.float64]
+__all__ = ["Array", "Motion", "Subject"]
 
-STEPS = 20
+FEWEST, MOST = 20, 100
 """Communication steps of a run of the examination."""
 
-_MOVE = 0.05  # of an input's scale
 _WATCHED = 500  # variables at most
-_DEFAULT_SPAN = 1.0  # s, where the FMU names neither step nor stop time
-_DEFAULT_STEPS = 100
 
 
 class Subject:
-    """An opened FMU with the step size and the variables that the examination uses."""
+    """An opened FMU with the step size and the variables that the examination uses.
 
-    def __init__(self, fmu: Fmu) -> None:
-        self.fmu = fmu
-        self.description = fmu.description
+    `scratch` is a folder that outlives the process of the examination.
+    """
 
-    @cached_property
+    def __init__(self, fmu: Fmu, interface_type: InterfaceType, scratch: Path) -> None:
+        """Raises `FmuError` where the FMU lacks this kind of interface."""
+        self.fmu, self.description = fmu, fmu.description
+        self.interface_type, self.scratch = interface_type, scratch
+        self.capabilities = capabilities(fmu.description, interface_type)
+        self.settings = settle(Request(interface_type=interface_type), fmu.description)
+
+    @property
+    def exchanges(self) -> bool:
+        """Whether model exchange is examined."""
+        return self.interface_type == MODEL_EXCHANGE
+
+    @property
     def start(self) -> float:
         """Start time of the runs (s)."""
-        return self.description.start_time or 0.0
+        return self.settings.start_time
 
     @cached_property
     def step(self) -> float:
-        """Communication step (s): the FMU's fixed one, else its default experiment's, else a
-        hundredth of the default run."""
-        d = self.description
-        fixed = d.co_simulation.fixed_internal_step_size if d.co_simulation else None
-        given = fixed or d.step_size
-        if given:
-            return given
-        stop = d.stop_time if d.stop_time is not None else self.start + _DEFAULT_SPAN
-        return (stop - self.start or _DEFAULT_SPAN) / _DEFAULT_STEPS
+        """Communication step (s); in model exchange the distance of the rows of `simulate`."""
+        s = self.settings
+        step = s.output_interval if self.exchanges else s.step_size
+        assert step is not None
+        return step
 
     @cached_property
-    def moved(self) -> tuple[Variable, ...]:
-        """Scalar real inputs, which the runs move."""
-        return tuple(v for v in self.description.inputs if v.type in REAL_TYPES and v.size == 1)
+    def steps(self) -> int:
+        """Communication steps of a run: to the stop time, within reason."""
+        wanted = (self.settings.stop_time - self.start) / self.step
+        return int(min(max(wanted, FEWEST), MOST))
+
+    @property
+    def half(self) -> int:
+        """Steps until a snapshot is taken, and after it."""
+        return self.steps // 2
+
+    def new_inputs(self) -> Inputs:
+        """The inputs of one run."""
+        return moving_inputs(self.description, self.start, self.step)
 
     @cached_property
-    def watched(self) -> tuple[Variable, ...]:
-        """Numeric outputs and local variables, outputs first."""
-        found = [
-            v
-            for v in self.description.variables.values()
-            if v.type in NUMERIC_TYPES and v.causality in ("output", "local")
-        ]
-        return tuple(sorted(found, key=lambda v: v.causality != "output")[:_WATCHED])
+    def real_inputs(self) -> tuple[Variable, ...]:
+        """Scalar real inputs that may be set at any time."""
+        return tuple(
+            v for v in self.description.inputs
+            if _is_plain(v) and (not self.exchanges or v.variability == "continuous")
+        )  # fmt: skip
 
     @cached_property
     def real_outputs(self) -> tuple[Variable, ...]:
         """Scalar real outputs."""
-        return tuple(v for v in self.description.outputs if v.type in REAL_TYPES and v.size == 1)
+        return tuple(v for v in self.description.outputs if _is_plain(v))
+
+    @cached_property
+    def states(self) -> tuple[tuple[Variable, Variable], ...]:
+        """Scalar continuous states and their derivatives, in the order of the model structure;
+        empty where one of them is an array."""
+        d = self.description
+        pairs = tuple((d.variable(state), d.variable(rate)) for state, rate in d.states)
+        return pairs if all(_is_plain(v) for pair in pairs for v in pair) else ()
+
+    @cached_property
+    def watched(self) -> tuple[Variable, ...]:
+        """Numeric outputs and local variables, outputs first; nothing that a clock owns."""
+        found = [
+            v for v in self.description.variables.values()
+            if v.type in NUMERIC_TYPES and v.causality in ("output", "local")
+            and not v.details.clocks
+        ]  # fmt: skip
+        return tuple(sorted(found, key=lambda v: v.causality != "output")[:_WATCHED])
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """The name of each column of what is watched."""
+        names = [v.name for v in self.watched for _ in range(v.size)]
+        if self.exchanges:
+            n = self._state_count
+            known = [state for state, _ in self.description.states]
+            states = known if len(known) == n else [f"continuous state {i + 1}" for i in range(n)]
+            names += [*states, *(f"der({name})" for name in states)]
+        return tuple(names)
+
+    @property
+    def _state_count(self) -> int:
+        d = self.description
+        if d.fmi_major < 3:
+            return d.number_of_continuous_states
+        return sum(d.variable(rate).size for _, rate in d.states)
 
     @contextmanager
-    def running(self, name: str = "subject") -> Iterator[FmuInstance]:
+    def running(self, name: str = "subject") -> Iterator[Motion]:
         """An instance after initialisation; freed on leaving."""
-        with self.fmu.instantiate(name) as instance:
-            self.initialise(instance)
-            yield instance
-
-    def initialise(self, instance: FmuInstance) -> None:
-        """Bring a fresh or reset instance to the start of a run."""
-        instance.enter_initialization_mode(self.start, None, None)
-        instance.exit_initialization_mode()
-
-    def advance(
-        self, instance: FmuInstance, steps: int = STEPS, first: int = 0, step: float | None = None
-    ) -> Array:
-        """Move and step an instance; rows of the watched variables after each step, (steps, n).
-
-        The run is at step number `first`; steps of another length begin at the same time.
-        """
-        length = self.step if step is None else step
-        begin = self.start + first * self.step
-        rows = []
-        for k in range(steps):
-            time = begin + k * length
-            self.move(instance, time)
-            instance.do_step(time, length)
-            rows.append(self.watch(instance))
-        return np.array(rows)
-
-    def move(self, instance: FmuInstance, time: float) -> None:
-        """Set the inputs as they are at `time`, constant within each communication step."""
-        number = np.floor((time - self.start) / self.step + 1e-6)
-        for i, variable in enumerate(self.moved):
-            wave = sin(0.3 * number + i + 1)
-            value = start_of(variable) + _MOVE * scale_of(variable) * wave
-            instance.set({variable.name: within(variable, value)})
-
-    def watch(self, instance: FmuInstance) -> Array:
-        """The watched variables, arrays element by element."""
-        values = [np.ravel(instance.get(v.name)).astype(float) for v in self.watched]
-        return np.concatenate(values) if values else np.zeros(0)
+        with self.fmu.instantiate(name, interface_type=self.interface_type) as instance:
+            motion = motion_of(self, instance)
+            motion.begin()
+            yield motion
 
 
-def start_of(variable: Variable) -> float:
-    """The start value of a real variable, 0 where it has none."""
-    return float(variable.start.split()[0]) if variable.start else 0.0
-
-
-def scale_of(variable: Variable) -> float:
-    """A size that is no trifle and no extreme for a real variable."""
-    return abs(variable.nominal or 0.0) or abs(start_of(variable)) or 1.0
-
-
-def within(variable: Variable, value: float) -> float:
-    """`value` brought into the declared range of a variable."""
-    low = -np.inf if variable.minimum is None else variable.minimum
-    high = np.inf if variable.maximum is None else variable.maximum
-    return float(min(max(value, low), high))
+def _is_plain(v: Variable) -> bool:
+    return v.type in REAL_TYPES and not v.dimensions and not v.details.clocks

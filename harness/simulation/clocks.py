@@ -101,6 +101,14 @@ class Clocks:
                 if interval:
                     self._pending[name] = float(exact(time) + interval)
 
+    def memory(self) -> dict[str, float]:
+        """The planned ticks (s) of clocks whose intervals change: all that is remembered."""
+        return dict(self._pending)
+
+    def recall(self, planned: Mapping[str, float]) -> None:
+        """Return to what `memory` gave, as after a return of the FMU to an earlier state."""
+        self._pending = dict(planned)
+
     def count_down(self, time: float) -> None:
         """Ask the countdown clocks whether they were started by the event at `time`."""
         for name, v in self.inputs.items():

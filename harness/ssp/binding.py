@@ -59,6 +59,7 @@ class _Attribute:
     choices: tuple[str, ...]
     required: bool
     default: Any
+    always: bool
 
 
 @dataclass(frozen=True)
@@ -85,11 +86,12 @@ def attribute(
     *,
     choices: tuple[str, ...] = (),
     default: Any = dataclasses.MISSING,
+    always: bool = False,
 ) -> Any:
     """An attribute of the field's name, or of `name`; `form` is one of `lexical.FORMS`. Required
-    without a `default`; one that has the default is not written."""
+    without a `default`; one that has the default is not written, unless it is to be `always`."""
     required = default is dataclasses.MISSING
-    spec = _Attribute(name, form, choices, required, None if required else default)
+    spec = _Attribute(name, form, choices, required, None if required else default, always)
     return field(default=default, metadata={_XML: spec})
 
 
@@ -159,11 +161,11 @@ def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
         elif isinstance(spec, _Text):
             values[name] = (element.text or "").strip()
         elif isinstance(spec, _Kept):
-            values[name] = tuple(markup.keep(one) for one in _take(left, spec.tags))
+            values[name] = tuple(markup.keep(one, place) for one in _take(left, spec.tags))
         else:
             values[name] = _child_values(spec, left, where, place, values["tag"], depth)
     values["more_attributes"] = tuple(attributes.items())
-    values["more"] = tuple(markup.keep(one) for one in left)
+    values["more"] = tuple(markup.keep(one, place) for one in left)
     return kind(**values)
 
 
@@ -221,7 +223,7 @@ def _to_xml(element: Element, nsmap: Mapping[str, str], depth: int) -> Any:
     for name, spec in _specs(type(element)):
         value = getattr(element, name)
         if isinstance(spec, _Attribute):
-            if spec.required or value != spec.default:
+            if spec.required or spec.always or value != spec.default:
                 made.set(spec.name or name, FORMS[spec.form].write(value))
         elif isinstance(spec, _Text):
             made.text = value or None

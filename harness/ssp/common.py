@@ -126,11 +126,14 @@ class MapEntry(Element):
 
 @dataclass(frozen=True, kw_only=True)
 class LinearTransformation(Element):
-    """target = factor · source + offset, after the conversion of units."""
+    """target = factor · source + offset, after the conversion of units.
+
+    Both numbers are always written: ecos takes a factor that is not there for zero.
+    """
 
     TAGS = ("ssc:LinearTransformation",)
-    factor: float = attribute(form="double", default=1.0)
-    offset: float = attribute(form="double", default=0.0)
+    factor: float = attribute(form="double", default=1.0, always=True)
+    offset: float = attribute(form="double", default=0.0, always=True)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,8 @@ from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinit
 from harness.ssp.document import Connector, ParameterBinding
 from harness.ssp.lexical import write_boolean, write_double
 from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
-from harness.system.units import Unit, parse_unit
+from harness.system.graph import Endpoint
+from harness.system.units import Unit, conversion, parse_unit
 
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -50,10 +51,30 @@ def _definition(unit: Unit) -> UnitDefinition:
     return UnitDefinition(name=unit.name, base=base)
 
 
+def unit_change(
+    source: Endpoint, target: Endpoint, descriptions: Mapping[str, ModelDescription]
+) -> str:
+    """Such as "N to kN" where a wire converts units, else ""; raises `UnitError`."""
+    found: list[Unit | None] = []
+    for end in (source, target):
+        described = descriptions[end.component]
+        variable = described.variables.get(end.variable)
+        name = variable.unit if variable else None
+        found.append(parse_unit(name, described.units) if name else None)
+    first, second = found
+    if first is None or second is None or conversion(first, second) == (1.0, 0.0):
+        return ""
+    return f"{first.name} to {second.name}"
+
+
 def connectors(
     description: ModelDescription, used: Collection[str], version: str, units: Units
 ) -> tuple[Connector, ...]:
-    """Connectors for the inputs and outputs of an FMU, and for other variables that are `used`."""
+    """Connectors for the outputs of an FMU, and for inputs and other variables that are `used`.
+
+    Inputs that nobody drives keep their start values and are not listed: FMPy drives one that is
+    by what drives the one before it.
+    """
     return tuple(
         Connector(
             name=v.name,
@@ -63,7 +84,7 @@ def connectors(
             dimensions=(Dimension(size=v.size),) if v.size > 1 and version != "1.0" else (),
         )
         for v in description.variables.values()
-        if v.causality in ("input", "output") or v.name in used
+        if v.causality == "output" or v.name in used
     )
 
 

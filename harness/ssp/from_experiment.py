@@ -10,7 +10,7 @@ Refused, with the way out, are sensitivities and plain Python: there is nothing 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -23,7 +23,7 @@ from harness.experiment.schema import ExperimentSpec
 from harness.fmi.fmu import Fmu
 from harness.fmi.model_description import ModelDescription
 from harness.ssp.common import LinearTransformation
-from harness.ssp.describe import Units, connectors, start_value_binding
+from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
 from harness.ssp.document import (
     Component,
     Connection,
@@ -34,7 +34,7 @@ from harness.ssp.document import (
 )
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
-from harness.ssp.settings import annotation, osp_step, safe_name
+from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name
 from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, sha256
 from harness.system import graph
 from harness.system.block import Block
@@ -55,8 +55,9 @@ class BlockFmu(Protocol):
         fmi_version: int = 3,
         *,
         phase: float = 0.0,
+        portable: bool = False,
     ) -> Path:
-        """The path of the FMU; raises `HarnessError`."""
+        """The path of the FMU, `portable` for one with Python inside; raises `HarnessError`."""
         ...
 
 
@@ -129,10 +130,11 @@ class _Exporter:
             name=self.variant,
             description=spec.title,
             elements=elements,
-            connections=tuple(self._connection(c, spec) for c in system.connections),
+            connections=tuple(self._connection(c, spec, descriptions) for c in system.connections),
         )
         step = min(_period(c) for c in system.components)
         return SystemStructure(
+            namespaces=(OSP_NAMESPACE,),
             version=version,
             name=self.variant,
             generation_tool="fmu-harness",
@@ -184,8 +186,9 @@ class _Exporter:
         self, c: graph.BlockComponent | graph.SignalComponent, block: Block, spec: ExperimentSpec
     ) -> Path:
         return self.block_fmu(
-            block, c.name, to_seconds(c.period_ns), spec.fmi_version, phase=to_seconds(c.phase_ns)
-        )
+            block, c.name, to_seconds(c.period_ns), spec.fmi_version,
+            phase=to_seconds(c.phase_ns), portable=spec.portable,
+        )  # fmt: skip
 
     def _component(
         self,
@@ -223,12 +226,23 @@ class _Exporter:
             annotations=annotation(own),
         )
 
-    def _connection(self, wire: graph.Connection, spec: ExperimentSpec) -> Connection:
+    def _connection(
+        self,
+        wire: graph.Connection,
+        spec: ExperimentSpec,
+        descriptions: Mapping[str, ModelDescription],
+    ) -> Connection:
         given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
         own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
         if own:
             self._say(f"the {' and '.join(own)} on {wire.source} -> {wire.target} are in an "
                       "annotation of ours only")  # fmt: skip
+        change = unit_change(wire.source, wire.target, descriptions) if wire.convert_units else ""
+        if change:
+            self._say(
+                f"the conversion of {change} on {wire.source} -> {wire.target} is left to the "
+                "tool; for one that does none, state a factor and convert_units = false"
+            )
         linear = LinearTransformation(factor=wire.factor, offset=wire.offset)
         return Connection(
             start_element=wire.source.component,

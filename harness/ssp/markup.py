@@ -58,13 +58,20 @@ def parse(content: bytes, where: str) -> Any:
     return root
 
 
-def keep(element: Any) -> str:
-    """An element as canonical XML that means the same wherever it is put back."""
+def keep(element: Any, where: str = "annotation") -> str:
+    """An element as canonical XML that means the same wherever it is put back; raises
+    `ExperimentError` for one that has no such form."""
     prefixes = [p for p in element.nsmap if p is not None and _is_used(element, f"{p}:")]
-    text: bytes = etree.tostring(
-        element, method="c14n", exclusive=True, with_comments=True, with_tail=False,
-        inclusive_ns_prefixes=prefixes or None,
-    )  # fmt: skip
+    try:
+        text: bytes = etree.tostring(
+            element, method="c14n", exclusive=True, with_comments=True, with_tail=False,
+            inclusive_ns_prefixes=prefixes or None,
+        )  # fmt: skip
+    except etree.C14NError as fault:
+        raise ExperimentError(
+            f"{where}: {shown(element.tag)} has no canonical form: every namespace must be an "
+            "absolute URI, such as urn:name"
+        ) from fault
     return text.decode("utf-8")
 
 

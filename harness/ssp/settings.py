@@ -28,6 +28,10 @@ _TAG = f"{{{NAMESPACE}}}Settings"
 _SAFE_NAME = re.compile(r"[^\w .()+-]|^[. ]+")
 
 OSP_TYPE = "com.opensimulationplatform"
+OSP_NAMESPACE = ("osp", "http://opensimulationplatform.com/SSP/OSPAnnotations")
+"""Prefix and namespace, to be declared by the root element: libcosim takes a declaration within
+`osp:Algorithm` for an algorithm that it does not know."""
+
 _STEPS = (("FixedStepAlgorithm", "baseStepSize"), ("FixedStepMaster", "stepSize"))
 
 
@@ -71,9 +75,10 @@ def fixed_step(structure: SystemStructure) -> tuple[float, str] | None:
 
 
 def osp_step(step: float) -> Annotation:
-    """The annotation by which libcosim and its kin learn the step."""
+    """The annotation by which libcosim and its kin learn the step (s)."""
+    prefix, uri = OSP_NAMESPACE
     xml = (
-        '<osp:Algorithm xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations">'
+        f'<osp:Algorithm xmlns:{prefix}="{uri}">'
         f'<osp:FixedStepAlgorithm baseStepSize="{step!r}"></osp:FixedStepAlgorithm></osp:Algorithm>'
     )
     return Annotation(type=OSP_TYPE, more=(markup.keep(markup.kept(xml)),))

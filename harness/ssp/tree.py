@@ -136,6 +136,7 @@ class _Builder:
     systems: list[SystemNode] = field(default_factory=list)
     fmus: list[FmuNode] = field(default_factory=list)
     packages: dict[Path, Package] = field(default_factory=dict)
+    around: list[object] = field(default_factory=list)  # documents and systems that are entered
     count: int = 0
 
     def add_system(
@@ -173,18 +174,38 @@ class _Builder:
             found = _by_id(scope.structure.system, one.source[1:])
             if found is None:
                 raise ExperimentError(f"{place}: no system has the id {one.source[1:]!r}")
-            self._replace(path, one, scope, found, scope)
+            self._enter(id(found), path, one, scope, found, scope)
         elif one.type == FMU_TYPE:
             source = scope.resolve(one.source, f"component {'.'.join(path)}")
             self.fmus.append(FmuNode(path, one, scope, source))
         elif one.type in (SSD_TYPE, SSP_TYPE):
             inner = self._referred(one, scope, place)
-            self._replace(path, one, scope, inner.structure.system, inner)
+            document = scope.resolve(one.source.partition("#")[0], place)
+            self._enter(
+                (document, inner.structure.name), path, one, scope, inner.structure.system, inner
+            )
         else:
             raise ExperimentError(
                 f"{place} is of type {one.type!r}; FMUs ({FMU_TYPE}) and other descriptions can "
                 "be run"
             )
+
+    def _enter(
+        self,
+        key: object,
+        path: TreePath,
+        one: Component,
+        scope: Scope,
+        system: SystemElement,
+        inner: Scope,
+    ) -> None:
+        """`_replace` by what the component names, known by `key`, unless that is around it."""
+        if key in self.around:
+            place = f"{scope.where}: component {'.'.join(path)}"
+            raise ExperimentError(f"{place}: {one.source!r} would be a part of itself")
+        self.around.append(key)
+        self._replace(path, one, scope, system, inner)
+        self.around.pop()
 
     def _replace(
         self, path: TreePath, one: Component, scope: Scope, system: SystemElement, inner: Scope

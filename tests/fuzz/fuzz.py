@@ -16,6 +16,7 @@ import atheris
 
 with atheris.instrument_imports(include=["harness", "fmpy", "zipfile", "tomllib", "csv"]):
     from tests.fuzz import targets
+    from tests.fuzz.place import CORPUS
 
 
 def main() -> None:
@@ -26,7 +27,7 @@ def main() -> None:
     found = Path(".fuzz") / target
     found.mkdir(parents=True, exist_ok=True)
     limits = ["-timeout=10", "-rss_limit_mb=4096", "-max_len=20000"]
-    folders = [str(found), str(targets.CORPUS / target)]
+    folders = [str(found), str(CORPUS / target)]
     atheris.Setup(
         [sys.argv[0], *limits, *sys.argv[2:], *folders],
         lambda content: targets.attempt(target, content),

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import tempfile
 import warnings
-import weakref
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 from harness.cli.values import settings
@@ -17,33 +12,13 @@ from harness.experiment.experiment import Experiment
 from harness.fmi.archive import Archive
 from harness.fmi.model_description import read_model_description
 from harness.instruments.csv_signal import CsvSignal, read_csv_table
-
-CORPUS = Path(__file__).with_name("corpus")
-
-
-class _Place:
-    """A folder in memory that disappears at exit, since disks are slow to be written to."""
-
-    def __init__(self) -> None:
-        fast = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-        self.path = Path(tempfile.mkdtemp(prefix="fmu-harness-fuzz-", dir=fast))
-        weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
-
-
-@cache
-def _place() -> _Place:
-    return _Place()
-
-
-def _written(name: str, content: bytes) -> Path:
-    path = _place().path / name
-    path.write_bytes(content)
-    return path
+from tests.fuzz.packages import package, parameter_mapping, parameter_set, system_structure
+from tests.fuzz.place import CORPUS, written
 
 
 def description(content: bytes) -> None:
     """modelDescription.xml, and all that is asked of it before a run."""
-    document = _written("modelDescription.xml", content)
+    document = written("modelDescription.xml", content)
     described = read_model_description(document.parent, Path("fuzzed.fmu"))
     assert described.fmi_major in (1, 2, 3) and described.inputs is not None
     assert all(name == v.name for name, v in described.variables.items())
@@ -51,7 +26,7 @@ def description(content: bytes) -> None:
 
 def archive(content: bytes) -> None:
     """A whole archive; nothing may be written outside its folder."""
-    path = _written("fuzzed.fmu", content)
+    path = written("fuzzed.fmu", content)
     with Archive(path) as opened:
         root = opened.folder.resolve()
         assert all(root in found.resolve().parents for found in root.rglob("*"))
@@ -60,14 +35,14 @@ def archive(content: bytes) -> None:
 
 def experiment(content: bytes) -> None:
     """An experiment file, up to the system that it describes."""
-    loaded = Experiment.load(_written("fuzzed.toml", content))
+    loaded = Experiment.load(written("fuzzed.toml", content))
     for variant in loaded.variants[:3]:
         loaded.bench(variant).system()
 
 
 def csv(content: bytes) -> None:
     """A CSV file, read as a signal."""
-    path = _written("fuzzed.csv", content)
+    path = written("fuzzed.csv", content)
     table = read_csv_table(path)
     for name in table.names[-2:]:
         CsvSignal(path, name, "linear")
@@ -79,8 +54,12 @@ def setting(content: bytes) -> None:
 
 
 TARGETS: dict[str, Callable[[bytes], None]] = {
-    one.__name__: one for one in (description, archive, experiment, csv, setting)
-}
+    one.__name__: one
+    for one in (
+        description, archive, experiment, csv, setting,
+        system_structure, parameter_set, parameter_mapping, package,
+    )
+}  # fmt: skip
 
 
 def attempt(target: str, content: bytes) -> bool:

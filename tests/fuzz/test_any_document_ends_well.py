@@ -10,7 +10,10 @@ from tests.fuzz.mutations import changed
 from tests.fuzz.targets import TARGETS, attempt, corpus
 
 _SECONDS = 5.0
-BY_HAND = {"description": 150, "archive": 100, "experiment": 100, "csv": 200, "setting": 200}
+BY_HAND = {
+    "description": 150, "archive": 100, "experiment": 100, "csv": 200, "setting": 200,
+    "system_structure": 100, "parameter_set": 100, "parameter_mapping": 100, "package": 100,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("target", TARGETS)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from ecospy import EcosSimulation, EcosSimulationStructure
 
-from tests.peers.order import answer, read_order
+from harness.ssp.package import open_package
+from tests.peers.order import Order, answer, read_order
 
 
 def identifier(port: str) -> str:
@@ -12,8 +16,18 @@ def identifier(port: str) -> str:
     return port.replace(".", "::", 1)
 
 
-def main() -> None:
-    order = read_order()
+@contextmanager
+def initialised(order: Order) -> Iterator[EcosSimulation]:
+    """The simulation. Ecos applies a set of start values only if it is named."""
+    if order.package:
+        with open_package(order.package) as package:
+            system = next(iter(package.structures.values())).system
+        bindings = [one for element in system.elements for one in element.bindings]
+        names = [one.values.name for one in bindings if one.values]
+        with EcosSimulation(ssp_path=order.package, step_size=order.step) as simulation:
+            simulation.init(parameter_set=names[0] if names else None)
+            yield simulation
+        return
     with EcosSimulationStructure() as structure:
         for name, path in order.fmus.items():
             structure.add_model(name, path)
@@ -24,13 +38,19 @@ def main() -> None:
             structure.add_parameter_set("start", values)
         with EcosSimulation(structure=structure, step_size=order.step) as simulation:
             simulation.init(parameter_set="start" if order.start_values else None)
-            rows = []
-            for given in order.rows():
-                for port, value in zip(order.inputs, given, strict=True):
-                    simulation.set_real(identifier(port), value)
-                simulation.step()
-                rows.append([simulation.get_real(identifier(port)) for port in order.outputs])
-            simulation.terminate()
+            yield simulation
+
+
+def main() -> None:
+    order = read_order()
+    rows = []
+    with initialised(order) as simulation:
+        for given in order.rows():
+            for port, value in zip(order.inputs, given, strict=True):
+                simulation.set_real(identifier(port), value)
+            simulation.step()
+            rows.append([simulation.get_real(identifier(port)) for port in order.outputs])
+        simulation.terminate()
     answer(rows)
 
 

@@ -1,70 +1,103 @@
-"""An order carried out by a master of a few lines on FMPy's own classes (FMI 2).
+"""An order carried out with FMPy: packages by its own function, FMUs (FMI 2 and 3) by a master of
+a few lines on its own classes.
 
-It steps one FMU after the other, in their order, each with what those before it have just written:
-the controller first, then the plant.
+That master steps one FMU after the other, in their order, each with what those before it have just
+written: the controller first, then the plant.
 """
 
 from __future__ import annotations
 
 import shutil
+from dataclasses import dataclass
 from typing import Any
 
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from fmpy.ssp.simulation import simulate_ssp
 
-from tests.peers.order import answer, read_order
+from tests.peers.order import Order, answer, read_order
 
 
-def opened(name: str, path: str, folders: list[str]) -> tuple[FMU2Slave, dict[str, int]]:
+@dataclass
+class Opened:
+    """An instance, with the differences between the versions of FMI out of the way."""
+
+    slave: Any
+    references: dict[str, int]
+    version: int
+    folder: str
+
+    def get(self, variable: str) -> float:
+        read = self.slave.getReal if self.version == 2 else self.slave.getFloat64
+        return float(read([self.references[variable]])[0])
+
+    def put(self, variable: str, value: float) -> None:
+        write = self.slave.setReal if self.version == 2 else self.slave.setFloat64
+        write([self.references[variable]], [value])
+
+    def initialise(self) -> None:
+        if self.version == 2:
+            self.slave.setupExperiment(startTime=0.0)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+
+
+def opened(name: str, path: str) -> Opened:
     description = read_model_description(path)
-    folders.append(extract(path))
-    slave = FMU2Slave(
+    version, folder = int(description.fmiVersion[0]), extract(path)
+    slave = (FMU2Slave if version == 2 else FMU3Slave)(
         guid=description.guid,
-        unzipDirectory=folders[-1],
+        unzipDirectory=folder,
         modelIdentifier=description.coSimulation.modelIdentifier,
         instanceName=name,
     )
     slave.instantiate()
-    slave.setupExperiment(startTime=0.0)
-    return slave, {v.name: v.valueReference for v in description.modelVariables}
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    return Opened(slave, references, version, folder)
 
 
-def main() -> None:
-    order = read_order()
-    folders: list[str] = []
-    fmus = {name: opened(name, path, folders) for name, path in order.fmus.items()}
+def rows_of_fmus(order: Order) -> list[list[float]]:
+    fmus = {name: opened(name, path) for name, path in order.fmus.items()}
 
     def get(port: str) -> float:
         name, _, variable = port.partition(".")
-        slave, references = fmus[name]
-        return float(slave.getReal([references[variable]])[0])
+        return fmus[name].get(variable)
 
-    def put(port: str, value: Any) -> None:
+    def put(port: str, value: float) -> None:
         name, _, variable = port.partition(".")
-        slave, references = fmus[name]
-        slave.setReal([references[variable]], [value])
+        fmus[name].put(variable, value)
 
     for port, value in order.start_values.items():
         put(port, value)
-    for slave, _ in fmus.values():
-        slave.enterInitializationMode()
-        slave.exitInitializationMode()
+    for one in fmus.values():
+        one.initialise()
     rows = []
     for k, given in enumerate(order.rows()):
         for port, value in zip(order.inputs, given, strict=True):
             put(port, value)
-        for name, (slave, _) in fmus.items():
+        for name, one in fmus.items():
             for source, target in order.wires:
                 if target.startswith(f"{name}."):
                     put(target, get(source))
-            slave.doStep(k * order.step, order.step)
+            one.slave.doStep(k * order.step, order.step)
         rows.append([get(port) for port in order.outputs])
-    for slave, _ in fmus.values():
-        slave.terminate()
-        slave.freeInstance()
-    for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
-    answer(rows)
+    for one in fmus.values():
+        one.slave.terminate()
+        one.slave.freeInstance()
+        shutil.rmtree(one.folder, ignore_errors=True)
+    return rows
+
+
+def rows_of_package(order: Order) -> list[list[float]]:
+    stop_time = (order.steps - 0.5) * order.step  # the sum of steps must not pass it too late
+    found = simulate_ssp(order.package, stop_time=stop_time, step_size=order.step)
+    return [[float(row[port]) for port in order.outputs] for row in found]
+
+
+def main() -> None:
+    order = read_order()
+    answer((rows_of_package if order.package else rows_of_fmus)(order))
 
 
 main()

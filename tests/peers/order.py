@@ -22,11 +22,12 @@ _MARK = "answer: "
 
 @dataclass(frozen=True)
 class Order:
-    """Step the FMUs (`fmus`: path by component name) together by `step` (s) from 0.
+    """Step the FMUs (`fmus`: path by component name), or those of the `package` (an .ssp), together
+    by `step` (s) from 0.
 
     `wires` are pairs of ports "component.variable", from an output to an input. Row k of the
     columns `inputs` is set before step k; `outputs` are reported after each step; `start_values`
-    are set before initialisation. All variables are real numbers.
+    are set before initialisation; a package says all three itself. All variables are real numbers.
     """
 
     fmus: dict[str, str]
@@ -36,6 +37,7 @@ class Order:
     inputs: dict[str, list[float]] = field(default_factory=dict)
     wires: list[tuple[str, str]] = field(default_factory=list)
     start_values: dict[str, float] = field(default_factory=dict)
+    package: str = ""
 
     def rows(self) -> Iterator[list[float]]:
         """What is set before each step, in the order of `inputs`."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-
 import numpy as np
 import pytest
 
@@ -12,8 +10,8 @@ from harness import registry
 from harness.fmi.fmu import Fmu
 from tests.fmus.conformance.excitation import Excited, excite
 from tests.peers.order import Order, run_in
+from tests.peers.tools import skip_without
 
-MODULES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 CASES = [
     ("ecos", "FMI 2"),
     ("ecos", "FMI 3"),
@@ -41,8 +39,7 @@ def order_of(plant: Plant, run: Excited, fmu: str) -> Order:
 @pytest.mark.parametrize("name", registry.names(registry.PLANTS))
 @pytest.mark.parametrize(("tool", "kind"), CASES)
 def test_to_the_last_bit(tool: str, kind: str, name: str) -> None:
-    if importlib.util.find_spec(MODULES[tool]) is None:
-        pytest.skip(f"{MODULES[tool]} is not installed (extra 'peers')")
+    skip_without(tool)
     plant: Plant = registry.plant(name)
     portable = kind == "portable"
     version = 2 if portable else int(kind[-1])

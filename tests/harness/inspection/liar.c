@@ -8,6 +8,7 @@
    -DFEEDTHROUGH   the output depends on the input at once
    -DSLOPE         directional derivatives are wrong by a tenth
    -DSTEPS         only steps of 0.1 s are taken
+   -DBLOWS_UP      the output is no number after half a second
    -DLEAK          an instance leaves 64 KiB behind
    -DDESCRIPTORS   an instance leaves a file open */
 #include <fcntl.h>
@@ -93,6 +94,9 @@ EXPORT int fmi2SetReal(void *c, const unsigned *vr, size_t n, const double *valu
 EXPORT int fmi2DoStep(void *c, double t, double h, int no_set_state) {
     Lag *lag = LAG(c);
     (void)t, (void)no_set_state;
+#ifdef BLOWS_UP
+    if (t > 0.5) lag->filtered = NAN;
+#endif
 #ifdef STEPS
     if (fabs(h - 0.1) > 1e-9) return ERROR;
 #endif

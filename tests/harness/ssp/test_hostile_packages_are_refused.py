@@ -29,6 +29,8 @@ def opened(path: Path) -> None:
         (ssd("").replace('version="1.0"', 'version="3.0"'), "version='3.0' is not legal"),
         (ssd("<ssd:Elements><ssd:Connector name='c' kind='input'/></ssd:Elements>"),
          "ssd:Connector may not stand in ssd:Elements"),
+        (ssd("<a/>").replace(NAMESPACES, NAMESPACES + ' xmlns="no//uri"'),
+         "line 1: .*a has no canonical form: every namespace must be an absolute URI"),
         (ssd("<ssd:System name='s'>" * 300 + "</ssd:System>" * 300), "Excessive depth"),
         (ssd("", "<ssd:DefaultExperiment stopTime='soon'/>"), "stopTime='soon' is no number"),
     ],
@@ -70,7 +72,30 @@ def test_systems_that_contain_themselves(tmp_path: Path) -> None:
     one = "<ssd:Component name='{}' source='#me'/>"
     twice = f"<ssd:Elements>{one.format('a')}{one.format('b')}</ssd:Elements>"
     content = ssd(twice).replace('name="root"', 'name="root" id="me"')
-    with pytest.raises(ExperimentError, match=r"nested deeper than|more than 100000 elements"):
+    with pytest.raises(ExperimentError, match="would be a part of itself"):
+        Read(folder(tmp_path, {"SystemStructure.ssd": content}))
+
+
+def test_descriptions_that_contain_themselves(tmp_path: Path) -> None:
+    kind = "type='application/x-ssp-definition'"
+    for name, other in (("SystemStructure", "other"), ("other", "SystemStructure")):
+        inner = (
+            f"<ssd:Elements><ssd:Component name='c' {kind} source='{other}.ssd'/></ssd:Elements>"
+        )
+        folder(tmp_path, {f"{name}.ssd": ssd(inner, name=name)})
+    with pytest.raises(ExperimentError, match="would be a part of itself"):
+        Read(tmp_path)
+
+
+def test_systems_that_double_on_each_level(tmp_path: Path) -> None:
+    two = "<ssd:Component name='a' source='#s{0}'/><ssd:Component name='b' source='#s{0}'/>"
+    levels = [f"<ssd:Elements>{two.format(i + 1)}</ssd:Elements>" for i in range(20)]
+    systems = [
+        f"<ssd:System name='s{i}' id='s{i}'>{inner}</ssd:System>"
+        for i, inner in enumerate([*levels, ""])
+    ]
+    content = ssd(f"<ssd:Elements>{''.join(systems)}</ssd:Elements>")
+    with pytest.raises(ExperimentError, match="more than 100000 elements"):
         Read(folder(tmp_path, {"SystemStructure.ssd": content}))
 
 

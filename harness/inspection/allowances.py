@@ -1,0 +1,91 @@
+"""What the findings about an FMU mean for its use here: each use with what it demands.
+
+The demands are those of the planner, the master and the checkpoints, besides what the uses need
+to be right: a claim that the examination refuted counts as no claim. This module examines nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE
+from harness.fmi.model_description import ModelDescription
+from harness.inspection import catalogue as c
+from harness.inspection.finding import Finding, Verdict
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """Whether one way of using the FMU here is safe, and why not where it is not."""
+
+    use: str
+    allowed: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class _Use:
+    """`needs` must have passed; `sound` must not have failed, though it may not apply."""
+
+    name: str
+    needs: tuple[str, ...]
+    sound: tuple[str, ...] = ()
+
+
+_SIMULATION: dict[str, _Use] = {
+    CO_SIMULATION: _Use("simulate, co-simulation", (c.RUNS,)),
+    MODEL_EXCHANGE: _Use(
+        "simulate, model exchange", (c.RUNS,), (c.ROUND_TRIP, c.NOMINALS, c.INDICATORS)
+    ),
+}
+_LOOP = (
+    _Use("jacobi and gauss-seidel", (c.RUNS,), (c.FEEDTHROUGH,)),
+    _Use("linear wires (extrapolation = 1)", (c.RUNS,), (c.FEEDTHROUGH, c.INTERPOLATES)),
+    _Use("iterative", (c.RUNS, c.RESTORES), (c.FEEDTHROUGH, c.INTERPOLATES)),
+    _Use("algebraic loops solved", (c.RUNS,), (c.FEEDTHROUGH,)),
+    _Use("delays within a step", (c.RUNS, c.OTHER_STEPS)),
+    _Use("several instances in one run", (c.RUNS, c.TWICE)),
+    _Use("studies in one process", (c.RUNS, c.TWICE, c.REPEATS, c.SURVIVES)),
+    _Use("resume", (c.RUNS, c.CONTINUES_ELSEWHERE)),
+    _Use("sensitivity", (c.RUNS, c.DERIVATIVES)),
+)
+
+
+def allowances(d: ModelDescription, findings: tuple[Finding, ...]) -> tuple[Allowance, ...]:
+    """The uses, first that of the FMU alone, then those in the loop."""
+    by_kind: dict[str, dict[str, Finding]] = {}
+    for finding in findings:
+        by_kind.setdefault(finding.interface_type, {})[finding.check] = finding
+    alone = [_judged(_SIMULATION[kind], found) for kind, found in by_kind.items()]
+    refusal = _not_in_the_loop(d)
+    if refusal:
+        return (*alone, *(Allowance(use.name, False, refusal) for use in _LOOP))
+    stepping = by_kind[CO_SIMULATION]
+    in_loop = [_judged(use, stepping) for use in _LOOP]
+    if not d.states:
+        without = Allowance("sensitivity", False, "the FMU names no continuous states")
+        in_loop[-1] = without
+    return (*alone, *in_loop)
+
+
+def _not_in_the_loop(d: ModelDescription) -> str:
+    if d.co_simulation is None:
+        return "it offers model exchange only: simulate it alone"
+    return "it is of FMI 1, and the loop runs FMI 2 and 3: simulate it alone" * (d.fmi_major == 1)
+
+
+def _judged(use: _Use, found: Mapping[str, Finding]) -> Allowance:
+    for name in (*use.needs, *use.sound):
+        finding = found.get(name)
+        first = found.get(c.SERIALISES)
+        if finding is None and name == c.CONTINUES_ELSEWHERE and first is not None:
+            finding = None if first.verdict is Verdict.PASSED else first
+        if finding is None:
+            if name in use.needs:
+                return Allowance(use.name, False, f"{name}: not examined")
+            continue
+        failed = finding.verdict is Verdict.FAILED
+        if failed or (name in use.needs and finding.verdict is not Verdict.PASSED):
+            return Allowance(use.name, False, f"{finding.check}: {finding.detail}")
+    return Allowance(use.name, True, "")
