@@ -3,7 +3,7 @@
     fmu = hostile_fmu(tmp_path, "DoStep segfault 5", "FreeInstance hang", fmi=2)
 
 Behaviours are lines as `hostile_fmu.c` explains them. The model is a lag of the inputs `u`
-and `d` with output `y` and parameter `T`, whose state can be serialised.
+and `load` with output `y` and parameter `T`, whose state can be serialised.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _VARIABLES_2 = """
         initial="exact"><Real start="0"/></ScalarVariable>
     <ScalarVariable name="T" valueReference="2" causality="parameter" variability="fixed"
         initial="exact"><Real start="0.1"/></ScalarVariable>
-    <ScalarVariable name="d" valueReference="4" causality="input" variability="continuous">
+    <ScalarVariable name="load" valueReference="4" causality="input" variability="continuous">
       <Real start="0"/></ScalarVariable>"""
 _VARIABLES_3 = """
     <Float64 name="time" valueReference="3" causality="independent" variability="continuous"/>
@@ -36,7 +36,7 @@ _VARIABLES_3 = """
     <Float64 name="y" valueReference="1" causality="output" initial="exact" start="0"/>
     <Float64 name="T" valueReference="2" causality="parameter" variability="fixed"
         initial="exact" start="0.1"/>
-    <Float64 name="d" valueReference="4" causality="input" start="0"/>"""
+    <Float64 name="load" valueReference="4" causality="input" start="0"/>"""
 
 
 def description(fmi: int, *, states: bool = True) -> str:

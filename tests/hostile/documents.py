@@ -88,14 +88,14 @@ CHANGES: dict[str, Change] = {
         "</UnitDefinitions><ModelVariables>", "is not valid"
     ),
     "unknown number 0": (2, _UNKNOWN2, '<Unknown index="0"/>', "refers to variable number 0"),
-    "unknown number 99": (2, _UNKNOWN2, '<Unknown index="99"/>', "number 99 .*numbers 1 to 3"),
+    "unknown number 99": (2, _UNKNOWN2, '<Unknown index="99"/>', "number 99 .*numbers 1 to 4"),
     "dependency number 9": (
         2, _UNKNOWN2, '<Unknown index="2" dependencies="1 9"/>', "refers to variable number 9"
     ),
     "derivative of number 0": _more(2, _real("d", 9, 'derivative="0"'), "derivative of variable 0"),
-    "derivative of itself": _more(2, _real("d", 9, 'derivative="4"'), "in a circle: 'd'"),
+    "derivative of itself": _more(2, _real("d", 9, 'derivative="5"'), "in a circle: 'd'"),
     "derivatives in a circle": _more(
-        2, _real("d", 9, 'derivative="5"') + _real("e", 10, 'derivative="4"'), "circle: 'd' -> 'e'"
+        2, _real("d", 9, 'derivative="6"') + _real("e", 10, 'derivative="5"'), "circle: 'd' -> 'e'"
     ),
     "output that is not": (3, _OUTPUT3, '<Output valueReference="77"/>', "value reference 77"),
     "dependency that is not": (3, 'dependencies=""', 'dependencies="77"', "value reference 77"),

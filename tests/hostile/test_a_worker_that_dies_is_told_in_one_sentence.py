@@ -2,6 +2,7 @@
 caller, no process and no temporary file but its own are left."""
 
 import tempfile
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -85,6 +86,9 @@ def test_what_an_fmu_starts_ends_with_it(tmp_path: Path, temporary: Path) -> Non
     made = bench(tmp_path, "DoStep child 3", "DoStep segfault 10")
     with pytest.raises(SimulationError, match="crashed with SIGSEGV"):
         made.run()
+    deadline = time.monotonic() + 5.0  # a killed process takes a moment to be gone
+    while users(temporary) and time.monotonic() < deadline:
+        time.sleep(0.01)
     assert users(temporary) == set()
 
 

@@ -28,10 +28,10 @@ def bench(folder: Path, *behaviours: str, algorithm: str, linear: bool) -> Bench
     made.controller("controller", "pid", sample_time=0.02, kp=0.5, ki=1.0, kd=0.01)
     made.connect("fast.y", "slow.u", factor=1.5, extrapolation=int(linear))
     made.connect("slow.y", "fast.u", factor=-2.0, extrapolation=int(linear))
-    made.connect("wind", "slow.d")
+    made.connect("wind", "slow.load")
     made.connect("reference", "controller.reference")
     made.connect("slow.y", "controller.measured", noise={"std": 0.01}, delay=delays[0])
-    made.connect("controller.u", "fast.d", delay=delays[1])
+    made.connect("controller.u", "fast.load", delay=delays[1])
     return made
 
 
