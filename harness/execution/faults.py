@@ -23,7 +23,7 @@ from harness.execution.actions import (
     Write,
 )
 from harness.execution.exchange import encode
-from harness.execution.operations import INSTANT, OPERATION, STATUS
+from harness.execution.operations import INSTANT, OPERATION, RETURNED
 from harness.execution.program import Program
 from harness.fmi.instance import DISCARD, FATAL, FmuInstance
 from harness.fmi.logger import STATUS_NAMES
@@ -62,7 +62,7 @@ def explain(
         if fault is not None and not isinstance(fault, Exception):
             raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
         return _python_fault(program, name, now, when)
-    status = int(program.clock[STATUS])
+    status = int(program.clock[RETURNED])
     instance = instances[_fmu_of(program, action)]
     if status == FATAL:
         instance.mark_dead()
@@ -95,7 +95,7 @@ def _got_until(program: Program, now: int) -> str:
     start, end = to_seconds(now), to_seconds(now + int(row[3]))
     if start < last < end:
         return f" (it got to t = {last:.9g} s)"
-    if start <= last <= end:
+    if start <= last <= end or last == op.UNTOUCHED:
         return ""
     return f" (and its lastSuccessfulTime is {last:.9g}, which is not within the step)"
 

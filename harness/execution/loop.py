@@ -19,7 +19,7 @@ from harness.execution import operations as op
 from harness.execution.calls import call_status, load_int64
 from harness.execution.exchange import decode, encode
 from harness.execution.machine_code import kept
-from harness.execution.operations import CYCLE, INSTANT, OPERATION, ROWS, STATUS
+from harness.execution.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
 
 _NANO = 1e9
 _WARNING = 1  # the highest FMI status with which a run goes on
@@ -116,7 +116,7 @@ def run_cycles(
                     more = (program[o, 7], program[o, 8], program[o, 9], program[o, 10])
                     status = call_status(a, (b, c, d, e, f, *more))
                 if status > _WARNING or status < 0:
-                    clock[STATUS] = status
+                    clock[RETURNED] = status
                     return op.STATUS
                 o += 1
         clock[CYCLE] += 1

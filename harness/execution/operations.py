@@ -6,8 +6,11 @@ A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the oth
 
 from __future__ import annotations
 
-CYCLE, INSTANT, ROWS, OPERATION, STATUS = range(5)
+CYCLE, INSTANT, ROWS, OPERATION, RETURNED = range(5)
 """Indices into `clock`, the loop's own state, which the caller keeps between calls."""
+
+UNTOUCHED = -1.7976931348623157e308
+"""What stands in place of the last successful time until an FMU has written it."""
 
 WIDTH = 11
 

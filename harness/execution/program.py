@@ -327,7 +327,7 @@ class _Linker:
         if instance.prefix == "fmi2":
             return [op.STEP_FMI2, *head, int(action.final)]
         start, flags = self._reserve(8)
-        last = np.full(1, to_seconds(self.program.plan.lowered.system.start_ns))
+        last = np.full(1, op.UNTOUCHED)
         self.program.keep.append(last)
         return [op.STEP_FMI3, *head, flags, last.ctypes.data, start, int(action.final)]
 

@@ -15,7 +15,7 @@ from tests.harness.inspection.liars import liar
 from tests.hostile.build import hostile_fmu
 
 CASES = [
-    ('<Real start="0"/>', '<Real start="7" max="5"/>', Severity.ERROR, "7, above its max 5"),
+    ('<Real start="0"/>', '<Real start="7" max="5"/>', Severity.ERROR, "7 lies outside its range"),
     ('<Real start="0"/>', '<Real start="0" min="3" max="1"/>', Severity.ERROR, "min 3 above max 1"),
     ('start="0"/>', 'start="zero"/>', Severity.ERROR, "zero"),
     ('name="u"', 'name="y"', Severity.ERROR, "not unique"),
