@@ -65,6 +65,9 @@ def simulate_command(
     validate: Annotated[
         bool, typer.Option(help="Refuse an FMU whose description has faults")
     ] = True,
+    allow_not_finite: Annotated[
+        bool, typer.Option(help="Take NaN and infinity for values like others")
+    ] = False,
     call_timeout: CallTimeout = None,
     run_timeout: RunTimeout = None,
     memory_limit: MemoryLimit = None,
@@ -108,6 +111,13 @@ def simulate_command(
         if fault is not None:
             _say(_kept(result, output_file))
             raise fault
+        if result.not_finite and not allow_not_finite:
+            _say(_kept(result, output_file))
+            more = f" (and {len(result.not_finite) - 1} more variables)"
+            raise HarnessError(
+                f"FMU {fmu}: {result.not_finite[0]}{more if len(result.not_finite) > 1 else ''}; "
+                "--allow-not-finite takes such values"
+            )
         if validate_against is not None:
             _validate(opened, result, validate_against, time_band, value_band)
 

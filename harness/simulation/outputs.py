@@ -36,13 +36,14 @@ class SimulationResult(Result):
 
     `texts` holds strings and binaries (hexadecimal) by column, `exact` the numbers in their own
     type, `order` all columns in the order of the file, `notes` what the run had to derive or
-    leave out.
+    leave out, `not_finite` one phrase for each column that has NaN or infinity.
     """
 
     texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     exact: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     order: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    not_finite: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Any:
         """The values of one recorded name in their own type, shape (n,), or "time"."""
@@ -146,11 +147,10 @@ class Rows:
             columns.append(Column(name, v.unit or "1", v.description))
             numbers.append(own.astype(np.float64))
         time = np.array(self.times, dtype=np.float64)
-        notes = [*notes, *_not_finite(time, columns, numbers)]
         data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
         return SimulationResult(
             tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
-            notes=tuple(notes),
+            notes=tuple(notes), not_finite=tuple(_not_finite(time, columns, numbers)),
         )  # fmt: skip
 
     def _columns(self) -> Iterator[tuple[Variable, str, Sequence[Any]]]:

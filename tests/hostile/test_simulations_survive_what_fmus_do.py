@@ -107,7 +107,9 @@ def test_memory_and_time_have_limits(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_nan_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = certified(tmp_path, "GetFloat64 nan 7")
     code, told = command(capsys, "simulate", path, *SIMULATE)
-    assert code == 0 and "note: y is nan at t = 0.07 s, the first of 4 such rows" in told
+    assert code == 1 and "y is nan at t = 0.07 s, the first of 4 such rows; --allow-n" in told
+    assert "11 rows until t = 0.1 s were computed" in told
+    assert command(capsys, "simulate", path, *SIMULATE, "--allow-not-finite")[0] == 0
     code, told = command(capsys, "verify", path)
     assert code == 1 and "y differ" in told
 

@@ -160,10 +160,10 @@ def test_a_function_for_what_is_held_acts_at_the_next_row(interface: str) -> Non
     assert (at[0.25], at[0.5], at[1.0]) == (0, 1, 1)
 
 
-def test_values_that_are_not_finite_are_noted() -> None:
+def test_values_that_are_not_finite_are_named() -> None:
     result = simulate(model_fmu("2"), stop_time=1.0, step_size=0.5, output_variables=["x"],
                       inputs={"u": ([0.0, 0.5, 0.5], [0.0, 0.0, math.inf])})  # fmt: skip
-    assert result.notes == ("x is nan at t = 1 s, the first of 1 such rows",)
+    assert result.not_finite == ("x is nan at t = 1 s, the first of 1 such rows",)
 
 
 def test_an_interrupt_keeps_the_rows() -> None:
