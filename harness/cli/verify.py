@@ -48,8 +48,8 @@ def verify_command(
         table.add_column(title, justify="right")
     ranked = sorted(found.difference, key=lambda name: -found.difference[name])
     for name in ranked[:_SHOWN]:
-        row = (found.difference[name], certificate.difference[name], found.allowed[name])
-        table.add_row(Text(name), *(f"{value:.3g}" for value in row))
+        row = (found.difference[name], certificate.difference.get(name), found.allowed[name])
+        table.add_row(Text(name), *("–" if value is None else f"{value:.3g}" for value in row))
     out.print(table)
     if len(ranked) > _SHOWN:
         out.print(f"and {len(ranked) - _SHOWN} more outputs, none further off")

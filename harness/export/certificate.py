@@ -32,8 +32,9 @@ class Certificate:
     """Row k of `inputs` is held during step k of `step` (s), row k of `outputs` is read after it.
 
     `reference` says what computed the outputs; `difference` is the largest one of the FMU's to
-    each output where it was made, `tolerance` the share of an output's range that may differ
-    elsewhere, where another mathematical library rounds otherwise.
+    each output where it was made (empty where it was made for other machines only), `tolerance`
+    the share of an output's range that may differ elsewhere, where another mathematical library
+    rounds otherwise.
     """
 
     model: str

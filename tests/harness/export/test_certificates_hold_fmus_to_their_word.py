@@ -14,7 +14,7 @@ from harness import registry
 from harness.cli.main import run_command_line
 from harness.errors import FmuError
 from harness.export.certificate import MEMBER, Certificate, with_certificate
-from harness.export.certify import plant_certificate
+from harness.export.certify import block_certificate, plant_certificate
 from harness.export.controller import controller_fmu
 from harness.export.verify import verify
 from harness.fmi.fmu import Fmu
@@ -106,3 +106,16 @@ def test_the_rest_of_the_archive_is_unchanged(certified: Path, tmp_path: Path) -
         assert all(a.read(name) == b.read(name) for name in a.namelist())
     with Fmu(again) as fmu:
         assert json.loads((fmu.folder / MEMBER).read_text())["model"] == "certified"
+
+
+def test_an_fmu_for_other_machines_is_certified_without_being_run(
+    certified: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As those that are built with --targets; they are replayed where they run."""
+    monkeypatch.setattr("harness.export.certify._runs_here", lambda path: False)
+    block, sample_time = example("pid")
+    made = block_certificate(certified, block, sample_time)
+    assert made.difference == {} and made.outputs == certificate(certified).outputs
+    target = tmp_path / "certified.fmu"
+    with_certificate(certified, target, made)
+    assert run_command_line(["verify", str(target)]) == 0
