@@ -136,7 +136,8 @@ def _hash(path: Path) -> str:
                 "called .fmu"
             )
         if not path.is_file():
-            raise FmuError(f"FMU {path} is not a file; give the path of an .fmu archive")
+            kind = "an .ssp" if path.suffix == ".ssp" else "an .fmu"
+            raise FmuError(f"FMU {path} is not a file; give the path of {kind} archive")
         with path.open("rb") as content:
             return hashlib.file_digest(content, "sha256").hexdigest()
     except OSError as fault:

@@ -22,7 +22,8 @@ from harness.fmi.instance import (
     StepOutcome,
 )
 from harness.fmi.logger import forget_name, register_name, variadic_logger
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.fmi.model_description import Variable
+from harness.fmi.values import plain_accessor
 
 _LAST_SUCCESSFUL_TIME = 2  # of fmiStatusKind
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"
@@ -149,15 +150,7 @@ class Fmi1Instance(FmuInstance):
 
     def accessor(self, variable: Variable) -> tuple[str, Any]:
         """Real, Integer (also enumerations), Boolean (one byte) or String."""
-        if variable.type in REAL_TYPES:
-            return "Real", ctypes.c_double
-        if variable.type in INTEGER_TYPES:
-            return "Integer", ctypes.c_int
-        if variable.type == "Boolean":
-            return "Boolean", ctypes.c_int8
-        if variable.type == "String":
-            return "String", ctypes.c_char_p
-        raise FmuError(f"variable {variable.name!r} has type {variable.type}, unknown in FMI 1")
+        return plain_accessor(variable, ctypes.c_int8, 1)
 
     # events and model exchange
 

@@ -11,7 +11,8 @@ from typing import Any
 from harness.errors import FmuError
 from harness.fmi.instance import CO_SIMULATION, DISCARD, DiscreteStates, FmuInstance, StepOutcome
 from harness.fmi.logger import variadic_logger
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.fmi.model_description import Variable
+from harness.fmi.values import plain_accessor
 
 _PENDING = 5
 _DO_STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3  # of fmi2StatusKind
@@ -147,15 +148,7 @@ class Fmi2Instance(FmuInstance):
 
     def accessor(self, variable: Variable) -> tuple[str, Any]:
         """Real, Integer (also enumerations), Boolean or String."""
-        if variable.type in REAL_TYPES:
-            return "Real", ctypes.c_double
-        if variable.type in INTEGER_TYPES:
-            return "Integer", ctypes.c_int
-        if variable.type == "Boolean":
-            return "Boolean", ctypes.c_int
-        if variable.type == "String":
-            return "String", ctypes.c_char_p
-        raise FmuError(f"variable {variable.name!r} has type {variable.type}, unknown in FMI 2")
+        return plain_accessor(variable, ctypes.c_int, 2)
 
 
 def wait(instance: FmuInstance, status: int) -> int:
