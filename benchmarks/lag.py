@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.pi import KI, KP, REFERENCE, STEP
-from harness.fmi.library import platform_tuple
+from harness.fmi.binding.library import platform_tuple
 
 SOURCES = Path(__file__).with_name("c")
 OPTIONS = ("cc", "-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")

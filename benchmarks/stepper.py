@@ -15,9 +15,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from harness.execution.calls import call_status
+from harness.compiler.calls import call_status
+from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import FmuInstance
 
 Array = NDArray[np.float64]
 _MONOTONIC = 1

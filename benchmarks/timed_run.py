@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from harness.execution.run import columns_of, execute, opened, plan_system
+from harness.master.run import columns_of, execute, opened, plan_system
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.graph import System

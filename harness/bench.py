@@ -26,13 +26,13 @@ from typing import Any
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
 from harness.errors import ExperimentError, HarnessError, UsageError, nearest
-from harness.execution.prepared import Echo, PreparedSystem
-from harness.execution.run import Progress
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
+from harness.master.prepared import Echo, PreparedSystem
+from harness.master.run import Progress
+from harness.process.limits import Limits
 from harness.results.result import Result
-from harness.supervision.limits import Limits
 from harness.system.block import Block, Port
 from harness.system.graph import (
     BlockComponent,
@@ -174,7 +174,7 @@ class Bench:
 
     def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
-        `harness.execution.sensitivity`."""
+        `harness.master.program.sensitivity`."""
         output, known = self._endpoint(of), self._endpoint(to)
         if output.component != known.component:
             raise UsageError(f"sensitivity {name}: {of} and {to} belong to different components")
@@ -264,7 +264,7 @@ class Bench:
         With `resume` the run in `folder` goes on from its last checkpoint.
         """
         if self._in_worker(in_process):
-            from harness.supervision.run import run_supervised
+            from harness.process.run import run_supervised
 
             place = None if folder is None else Path(folder)
             return run_supervised(
@@ -284,7 +284,7 @@ class Bench:
         components = self._components.values()
         if in_process or not any(isinstance(c, FmuComponent) for c in components):
             return False
-        from harness.supervision.process import available
+        from harness.process.fork import available
 
         sinks = [c.name for c in components if isinstance(c, PythonComponent) and not c.outputs]
         if available() and sinks and in_process is None:

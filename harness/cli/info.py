@@ -12,8 +12,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from harness.cli.terminal import console
+from harness.fmi.description.model_description import Capabilities, ModelDescription, Variable
 from harness.fmi.fmu import Fmu
-from harness.fmi.model_description import Capabilities, ModelDescription, Variable
 
 _LIBRARIES = {".so", ".dll", ".dylib"}
 

@@ -11,7 +11,7 @@ import typer
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
-    from harness.supervision.limits import Limits
+    from harness.process.limits import Limits
 
 CallTimeout = Annotated[
     float | None, typer.Option(help="Seconds that one call into an FMU may take")
@@ -25,7 +25,7 @@ Isolate = Annotated[
 
 def limits_of(call: float | None, run: float | None, memory: str | None, isolate: bool) -> Limits:
     """The limits that the flags mean; raises `UsageError`."""
-    from harness.supervision.limits import Limits, memory_size
+    from harness.process.limits import Limits, memory_size
 
     given: dict[str, Any] = {} if call is None else {"call": call}
     size = None if memory is None else memory_size(memory)

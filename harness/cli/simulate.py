@@ -14,7 +14,7 @@ from harness.cli.notices import notices
 from harness.cli.progress import bar
 from harness.cli.terminal import console
 from harness.errors import HarnessError, UsageError
-from harness.supervision.interrupts import TerminatedError
+from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu

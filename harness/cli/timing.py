@@ -17,8 +17,8 @@ from harness.cli.values import settings
 from harness.clock import show
 
 if TYPE_CHECKING:
-    from harness.execution.plan import Plan
-    from harness.execution.timing import Arrival
+    from harness.master.plan.planner import Plan
+    from harness.master.timing import Arrival
     from harness.system.graph import Endpoint
 
 _SHOWN = 60  # lines of the schedule
@@ -34,9 +34,9 @@ def timing_command(
     ] = None,
 ) -> None:
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
-    from harness.execution.run import opened, plan_system
-    from harness.execution.timing import measure_delays
-    from harness.supervision.task import Teller, run_task
+    from harness.master.run import opened, plan_system
+    from harness.master.timing import measure_delays
+    from harness.process.task import Teller, run_task
 
     out = console()
     with notices(), interruptible(), opened_experiment(experiment, settings(set_ or [])) as loaded:
@@ -58,7 +58,7 @@ def timing_command(
 
 
 def _print_schedule(out: Console, plan: Plan) -> None:
-    from harness.execution.timing import schedule
+    from harness.master.timing import schedule
 
     lines = list(schedule(plan))
     for instant, group in groupby(lines[:_SHOWN], key=lambda line: line[0]):

@@ -14,8 +14,6 @@ from pydantic import ValidationError
 
 from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, nearest
-from harness.execution.prepared import Echo, PreparedSystem, StartValues
-from harness.execution.run import Progress
 from harness.experiment.faults import describe
 from harness.experiment.measures import custom, needed_signals, tracking
 from harness.experiment.schema import (
@@ -25,10 +23,12 @@ from harness.experiment.schema import (
     FmuSpec,
     SignalSpec,
 )
+from harness.master.prepared import Echo, PreparedSystem, StartValues
+from harness.master.run import Progress
+from harness.process.limits import Limits
 from harness.results.manifest import has_run, is_complete
 from harness.results.recording import read_recording
 from harness.results.result import Result
-from harness.supervision.limits import Limits
 
 Table = dict[str, Any]
 

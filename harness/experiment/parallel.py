@@ -15,8 +15,8 @@ from multiprocessing import get_context
 from typing import Self, TypeVar
 
 from harness.errors import SimulationError
-from harness.supervision.process import available, compiler_at_rest
-from harness.supervision.watchdog import watch_over_runs
+from harness.process.fork import available, compiler_at_rest
+from harness.process.watchdog import watch_over_runs
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")

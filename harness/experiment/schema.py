@@ -21,7 +21,7 @@ from pydantic import (
 )
 
 from harness.errors import UsageError
-from harness.supervision.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
+from harness.process.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 

@@ -20,9 +20,9 @@ from rich.table import Table
 from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, PreparedVariant
 from harness.experiment.parallel import Workers, given_or_one
+from harness.process.watchdog import allow
 from harness.results.comparison import PairedDifference, Share, paired_difference, share
 from harness.results.whole import whole
-from harness.supervision.watchdog import allow
 
 Metrics = Mapping[str, float | None]
 Task = tuple[str, tuple[int, ...]]

@@ -24,10 +24,10 @@ from harness.errors import ExperimentError, HarnessError, RecordingError, neares
 from harness.experiment.experiment import Experiment, Table
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import AxisSpec, FmuSpec, SweepSpec
+from harness.process.watchdog import allow
 from harness.results.plots import axis_label
 from harness.results.result import Result
 from harness.results.whole import whole
-from harness.supervision.watchdog import allow
 
 _CHUNKS = 8  # tasks a process gets, so that progress moves and the load evens out
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from harness.errors import FmuError
 from harness.fmi.fmu import Fmu
-from harness.supervision.limits import Limits
-from harness.supervision.task import Teller, run_task
+from harness.process.limits import Limits
+from harness.process.task import Teller, run_task
 
 Array = NDArray[np.float64]
 MEMBER = "extra/fmu-harness.parity/certificate.json"

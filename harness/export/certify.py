@@ -17,8 +17,8 @@ import numpy as np
 
 from harness.errors import FmuError
 from harness.export.certificate import Array, Certificate, allowed, differences, replay_apart
+from harness.fmi.binding.library import library_path
 from harness.fmi.fmu import Fmu
-from harness.fmi.library import library_path
 from harness.system.block import Block
 
 ROWS = 60

@@ -1,6 +1,6 @@
 """A controller or estimator as an FMU that needs no Python where it runs.
 
-The FMU holds the step function of the loop as native code (`harness.execution.native`); who packs
+The FMU holds the step function of the loop as native code (`harness.compiler.native`); who packs
 it is found by the entry point `fmu_harness.packagers`. It computes sample k inside the step that
 begins at t_k with the inputs set at t_k: see the FMU's description for what that means in a tool.
 
@@ -17,9 +17,9 @@ from pathlib import Path
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
+from harness.compiler.native import native_key, native_step
+from harness.compiler.source import python_source
 from harness.errors import FmuError, HarnessError
-from harness.execution.native import native_key, native_step
-from harness.execution.source import python_source
 from harness.export.certificate import MEMBER
 from harness.export.certify import block_certificate
 from harness.system.block import Block

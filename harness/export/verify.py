@@ -13,7 +13,7 @@ from harness.export.certificate import (
     replay_apart,
 )
 from harness.fmi.fmu import Fmu
-from harness.supervision.limits import Limits
+from harness.process.limits import Limits
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Self
 
 from harness.errors import FmuError
-from harness.fmi.archive import Archive
-from harness.fmi.document import Faults
-from harness.fmi.fmi1 import Fmi1Instance
-from harness.fmi.fmi2 import Fmi2Instance
-from harness.fmi.fmi3 import Fmi3Instance
-from harness.fmi.instance import CO_SIMULATION, FmuInstance, InterfaceType
-from harness.fmi.library import unload_below
-from harness.fmi.logger import LogMessage
-from harness.fmi.model_description import read_model_description
+from harness.fmi.archive.unpack import Archive
+from harness.fmi.binding.fmi1 import Fmi1Instance
+from harness.fmi.binding.fmi2 import Fmi2Instance
+from harness.fmi.binding.fmi3 import Fmi3Instance
+from harness.fmi.binding.instance import CO_SIMULATION, FmuInstance, InterfaceType
+from harness.fmi.binding.library import unload_below
+from harness.fmi.binding.logger import LogMessage
+from harness.fmi.description.document import Faults
+from harness.fmi.description.model_description import read_model_description
 
 _KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi3Instance}
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE
-from harness.fmi.model_description import ModelDescription
+from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE
+from harness.fmi.description.model_description import ModelDescription
 from harness.inspection import catalogue as c
 from harness.inspection.finding import Finding, Verdict
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE
+from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE
 from harness.inspection import checks, continuous, derivatives, snapshots
 from harness.inspection.checks import CYCLES
 from harness.inspection.finding import Finding

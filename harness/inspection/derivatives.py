@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.errors import HarnessError
-from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import Variable
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.description.model_description import Variable
 from harness.inspection.excitation import scale_of, within
 from harness.inspection.finding import Finding, failed, not_offered, passed
 from harness.inspection.motion import Solving

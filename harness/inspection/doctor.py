@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE, capabilities
+from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE, capabilities
-from harness.fmi.model_description import ModelDescription
 from harness.inspection.allowances import Allowance, allowances
 from harness.inspection.catalogue import CHECKS
 from harness.inspection.finding import Finding, Verdict

@@ -13,8 +13,13 @@ from math import sin
 
 import numpy as np
 
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
-from harness.fmi.values import flat, parse_value
+from harness.fmi.binding.values import flat, parse_value
+from harness.fmi.description.model_description import (
+    INTEGER_TYPES,
+    REAL_TYPES,
+    ModelDescription,
+    Variable,
+)
 from harness.simulation.inputs import Inputs, Track
 
 _MOVE = 0.05  # of an input's scale

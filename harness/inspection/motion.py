@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import FmuError, HarnessError, SimulationError
-from harness.fmi.continuous import ContinuousPart
-from harness.fmi.instance import CO_SIMULATION, DISCARD, FmuInstance
+from harness.fmi.binding.continuous import ContinuousPart
+from harness.fmi.binding.instance import CO_SIMULATION, DISCARD, FmuInstance
 from harness.simulation.clocks import Clocks
 from harness.simulation.cvode import Cvode
 from harness.simulation.events import EventHandler, EventOutcome

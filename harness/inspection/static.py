@@ -17,9 +17,14 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import FmuError
+from harness.fmi.binding.library import library_path, platform_tuple
+from harness.fmi.description.model_description import (
+    NUMERIC_TYPES,
+    REAL_TYPES,
+    Capabilities,
+    ModelDescription,
+)
 from harness.fmi.fmu import Fmu
-from harness.fmi.library import library_path, platform_tuple
-from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, Capabilities, ModelDescription
 from harness.system.units import Unit
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 
+from harness.fmi.binding.instance import MODEL_EXCHANGE, InterfaceType, capabilities
+from harness.fmi.description.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import MODEL_EXCHANGE, InterfaceType, capabilities
-from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
 from harness.inspection.excitation import moving_inputs
 from harness.inspection.motion import Array, Motion, motion_of
 from harness.simulation.inputs import Inputs

@@ -21,12 +21,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.fmi.temporary import make_folder
+from harness.fmi.archive.temporary import make_folder
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, failed, passed
 from harness.inspection.snapshots import left_behind
-from harness.supervision.limits import Limits, show_memory
-from harness.supervision.process import memory_of
+from harness.process.fork import memory_of
+from harness.process.limits import Limits, show_memory
 
 _POLL = 0.02  # s
 _END = "lets its process end"

@@ -1,7 +1,7 @@
 """`simulate` in a worker process: whatever the FMU does, the caller lives and has the rows.
 
 The rows come over a pipe after every step, so those before an FMU's crash, exit or hang are kept.
-How a worker is watched, limited and ended is in `harness.supervision`.
+How a worker is watched, limited and ended is in `harness.process`.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import HarnessError, SimulationError
-from harness.fmi.logger import LogMessage
+from harness.fmi.binding.logger import LogMessage
 from harness.fmi.wording import shorten
+from harness.process.interrupts import TerminatedError
+from harness.process.limits import Limits
+from harness.process.task import Teller, run_task
 from harness.results.manifest import INCOMPLETE, Manifest, RunStatus
 from harness.simulation.outputs import Content, Rows, SimulationResult
-from harness.supervision.interrupts import TerminatedError
-from harness.supervision.limits import Limits
-from harness.supervision.task import Teller, run_task
 
 Progress = Callable[[float], None]
 Echo = Callable[[LogMessage], None]

@@ -14,9 +14,9 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from fractions import Fraction
 
-from harness.fmi.fmi3 import Fmi3Instance
-from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import ModelDescription
+from harness.fmi.binding.fmi3 import Fmi3Instance
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.description.model_description import ModelDescription
 from harness.simulation.grid import Grid, exact
 from harness.simulation.inputs import Track
 

@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from harness.errors import FmuError, SimulationError
-from harness.fmi.instance import FmuInstance, StepOutcome
+from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.simulation.clocks import Clocks
 from harness.simulation.events import EventHandler
 from harness.simulation.grid import Grid, is_close

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from harness.errors import SimulationError
-from harness.fmi.instance import FmuInstance
+from harness.fmi.binding.instance import FmuInstance
 from harness.simulation.clocks import Clocks
 from harness.simulation.grid import is_close
 from harness.simulation.inputs import Inputs

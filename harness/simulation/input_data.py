@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, nearest
-from harness.fmi.model_description import ModelDescription, Variable
-from harness.fmi.values import flat, parse_value
+from harness.fmi.binding.values import flat, parse_value
+from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.instruments.csv_signal import CsvTable, plain_name, read_csv_table
 from harness.simulation.inputs import Inputs, Track
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from harness.errors import SimulationError
-from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import REAL_TYPES, Variable
-from harness.fmi.values import flat
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.values import flat
+from harness.fmi.description.model_description import REAL_TYPES, Variable
 
 Function = Callable[[float], Any]
 

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, nearest
-from harness.fmi.groups import grouped
-from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import ModelDescription, Variable
-from harness.fmi.values import flat, native_dtype
+from harness.fmi.binding.groups import grouped
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.values import flat, native_dtype
+from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.results.columns import Column
 from harness.results.manifest import Manifest
 from harness.results.result import Result

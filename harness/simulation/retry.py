@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 from harness.errors import FmuError
-from harness.fmi.instance import FmuInstance, StepOutcome
+from harness.fmi.binding.instance import FmuInstance, StepOutcome
 
 MOST_HALVINGS = 20
 

@@ -18,8 +18,8 @@ import math
 from dataclasses import dataclass, replace
 
 from harness.errors import UsageError
-from harness.fmi.instance import CO_SIMULATION, MODEL_EXCHANGE, InterfaceType, capabilities
-from harness.fmi.model_description import ModelDescription
+from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE, InterfaceType, capabilities
+from harness.fmi.description.model_description import ModelDescription
 from harness.simulation.grid import exact
 
 SOLVER_TOLERANCE = 1e-6

@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import FmuError, HarnessError, SimulationError, UsageError
+from harness.fmi.binding.instance import CO_SIMULATION, FmuInstance
+from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import CO_SIMULATION, FmuInstance
-from harness.fmi.logger import LogMessage
+from harness.process.fork import available
+from harness.process.limits import Limits
 from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
 from harness.simulation.apart import Ended, Progress, Watched, simulate_apart, simulate_here
 from harness.simulation.clocks import Clocks, has_input_clocks
@@ -23,8 +25,6 @@ from harness.simulation.model_exchange import ModelExchange
 from harness.simulation.outputs import Recorder, SimulationResult, select
 from harness.simulation.settings import Request, Settings, settle
 from harness.simulation.start_values import set_start_values
-from harness.supervision.limits import Limits
-from harness.supervision.process import available
 
 _NO_TICKS = "the FMU's clocks never tick: co-simulation is done without event mode"
 

@@ -19,11 +19,16 @@ from typing import Any
 import numpy as np
 
 from harness.errors import UnitError, UsageError, nearest
-from harness.fmi.fmi3 import Fmi3Instance
-from harness.fmi.instance import FmuInstance
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
-from harness.fmi.value_checks import outside
-from harness.fmi.values import Values, flat, parse_value
+from harness.fmi.binding.fmi3 import Fmi3Instance
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.values import Values, flat, parse_value
+from harness.fmi.description.model_description import (
+    INTEGER_TYPES,
+    REAL_TYPES,
+    ModelDescription,
+    Variable,
+)
+from harness.fmi.description.value_checks import outside
 from harness.system.units import conversion, parse_unit
 
 _ELEMENT = re.compile(r"^(.*)\[(\d+(?:\s*,\s*\d+)*)\]$")

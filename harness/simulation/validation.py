@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import UsageError
-from harness.fmi.model_description import REAL_TYPES, ModelDescription, Variable
+from harness.fmi.description.model_description import REAL_TYPES, ModelDescription, Variable
 from harness.simulation.comparison import Agreement, Band, compare
 from harness.simulation.csv_files import read_reference
 from harness.simulation.outputs import SimulationResult, element_names

@@ -12,7 +12,7 @@ from typing import Any
 from warnings import warn
 
 from harness.clock import nearest_nanosecond
-from harness.fmi.model_description import ModelDescription
+from harness.fmi.description.model_description import ModelDescription
 from harness.ssp.document import SystemStructure
 from harness.ssp.settings import fixed_step
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from harness.errors import ExperimentError, nearest
-from harness.fmi.model_description import (
+from harness.fmi.description.model_description import (
     INTEGER_TYPES,
     REAL_TYPES,
     ModelDescription,

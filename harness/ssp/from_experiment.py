@@ -20,8 +20,8 @@ from harness.clock import show, to_seconds
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.experiment.schema import ExperimentSpec
+from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
-from harness.fmi.model_description import ModelDescription
 from harness.ssp.common import LinearTransformation
 from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
 from harness.ssp.document import (

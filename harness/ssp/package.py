@@ -17,7 +17,7 @@ from typing import ClassVar
 from urllib.parse import unquote, urlsplit
 
 from harness.errors import ExperimentError, FmuError, nearest
-from harness.fmi.archive import Archive
+from harness.fmi.archive.unpack import Archive
 from harness.ssp import binding
 from harness.ssp.document import SystemStructure
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import ExperimentError, nearest
-from harness.fmi.model_description import ModelDescription, Variable
+from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.ssp import binding
 from harness.ssp.common import DataType
 from harness.ssp.document import DictionaryReference, SystemElement

@@ -16,7 +16,7 @@ from typing import Any
 from warnings import warn
 
 from harness.errors import ExperimentError, HarnessError
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
 from harness.ssp.change import Items
 from harness.ssp.document import ParameterBinding
 from harness.ssp.flatten import FlatWire, change_along

@@ -26,8 +26,8 @@ from harness.experiment.schema import (
     FmuSpec,
     SignalSpec,
 )
+from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
-from harness.fmi.model_description import ModelDescription
 from harness.ssp.change import as_float
 from harness.ssp.common import LinearTransformation
 from harness.ssp.defaults import own_steps, times

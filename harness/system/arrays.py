@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from harness.fmi.model_description import ModelDescription, element_names
+from harness.fmi.description.model_description import ModelDescription, element_names
 from harness.system.graph import Connection, Endpoint, System
 
 

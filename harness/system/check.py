@@ -14,7 +14,12 @@ from math import isfinite
 
 from harness.clock import show
 from harness.errors import GraphError, UnitError, nearest
-from harness.fmi.model_description import NUMERIC_TYPES, REAL_TYPES, ModelDescription, Variable
+from harness.fmi.description.model_description import (
+    NUMERIC_TYPES,
+    REAL_TYPES,
+    ModelDescription,
+    Variable,
+)
 from harness.system.graph import (
     ALGEBRAIC_LOOPS,
     ALGORITHMS,

@@ -13,8 +13,13 @@ from typing import Any
 import numpy as np
 
 from harness.errors import nearest
-from harness.fmi.model_description import INTEGER_TYPES, REAL_TYPES, ModelDescription, Variable
-from harness.fmi.value_checks import outside
+from harness.fmi.description.model_description import (
+    INTEGER_TYPES,
+    REAL_TYPES,
+    ModelDescription,
+    Variable,
+)
+from harness.fmi.description.value_checks import outside
 
 _BITS = {"Integer": (True, 32), "Enumeration": (True, 64)} | {
     f"{sign}Int{bits}": (not sign, bits) for sign in ("", "U") for bits in (8, 16, 32, 64)

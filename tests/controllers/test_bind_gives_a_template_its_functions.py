@@ -6,7 +6,7 @@ import pytest
 from controllers.bind import bind
 from controllers.block import Array, Block, Signal
 from controllers.errors import ControllerError
-from harness.execution.compile import compile_step
+from harness.compiler.step import compile_step
 
 GAIN = 3.0
 

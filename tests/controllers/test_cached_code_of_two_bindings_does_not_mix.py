@@ -9,7 +9,7 @@ import numpy as np
 
 from controllers.bind import bind
 from controllers.block import Array, Block, Signal
-from harness.execution.compile import compile_step
+from harness.compiler.step import compile_step
 
 
 def model(p: Array, x: Array, rate: Array) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 from harness.cli.values import settings
 from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment
-from harness.fmi.archive import Archive
-from harness.fmi.model_description import read_model_description
+from harness.fmi.archive.unpack import Archive
+from harness.fmi.description.model_description import read_model_description
 from harness.instruments.csv_signal import CsvSignal, read_csv_table
 from tests.fuzz.packages import package, parameter_mapping, parameter_set, system_structure
 from tests.fuzz.place import CORPUS, written

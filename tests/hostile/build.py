@@ -16,7 +16,7 @@ import zipfile
 from functools import cache
 from pathlib import Path
 
-from harness.fmi.library import platform_tuple
+from harness.fmi.binding.library import platform_tuple
 
 SOURCE = Path(__file__).with_name("hostile_fmu.c")
 OPTIONS = ("cc", "-std=c11", "-O1", "-w", "-fPIC", "-shared", "-fvisibility=hidden")

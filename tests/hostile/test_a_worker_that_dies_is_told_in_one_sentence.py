@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationError
-from harness.supervision.limits import Limits
+from harness.process.limits import Limits
 from tests.hostile.build import library
 from tests.hostile.worlds import bench, children, litter
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import FmuError
-from harness.fmi import archive as archive_module
+from harness.fmi.archive import unpack as archive_module
 from harness.fmi.fmu import Fmu
 from tests.hostile.archives import ARCHIVES, packed
 

@@ -9,9 +9,9 @@ import pytest
 
 from harness.experiment.experiment import Experiment
 from harness.experiment.study import run_study
+from harness.process.isolation import missing
 from harness.results.recording import read_recording
 from harness.results.whole import whole
-from harness.supervision.isolation import missing
 from tests.hostile.test_killed_processes_lose_no_run import write
 
 LIMITED = """
@@ -23,7 +23,7 @@ main(sys.argv[2:])
 READ_ONLY = """
 import sys
 from pathlib import Path
-from harness.supervision.isolation import isolate
+from harness.process.isolation import isolate
 isolate([Path(sys.argv[1])])
 from harness.cli.main import main
 main(sys.argv[2:])

@@ -9,9 +9,9 @@ from harness.bench import Bench
 from harness.cli.main import run_command_line
 from harness.errors import ExperimentError, UsageError
 from harness.experiment.experiment import Experiment
+from harness.process.isolation import missing
+from harness.process.limits import Limits
 from harness.results.storage import read_recording
-from harness.supervision.isolation import missing
-from harness.supervision.limits import Limits
 from tests.hostile.build import hostile_fmu
 from tests.hostile.test_runs_end_in_one_sentence import FILE
 

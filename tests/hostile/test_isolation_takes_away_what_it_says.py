@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.supervision.isolation import isolate, missing
+from harness.process.isolation import isolate, missing
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason="; ".join(missing()))
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from harness.errors import SimulationError
+from harness.process.limits import Limits
 from harness.results.recording import read_recording
-from harness.supervision.limits import Limits
 from tests.hostile.worlds import bench, litter
 
 FILES = ("results.parquet", "results.csv")

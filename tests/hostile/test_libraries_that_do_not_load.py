@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from harness.errors import FmuError
+from harness.fmi.binding.library import platform_tuple
 from harness.fmi.fmu import Fmu
-from harness.fmi.library import platform_tuple
 from tests.hostile.build import description, hostile_fmu, library
 
 HERE = platform_tuple()

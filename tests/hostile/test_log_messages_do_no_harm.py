@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from harness.errors import FmuError
+from harness.fmi.binding.formats import expandable, readable
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.logger import KEPT_MESSAGES, LONGEST_MESSAGE, LogMessage
 from harness.fmi.fmu import Fmu
-from harness.fmi.formats import expandable, readable
-from harness.fmi.instance import FmuInstance
-from harness.fmi.logger import KEPT_MESSAGES, LONGEST_MESSAGE, LogMessage
 from tests.hostile.build import hostile_fmu
 
 WRONG = {

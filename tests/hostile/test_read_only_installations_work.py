@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 import harness
-from harness.supervision.isolation import missing
+from harness.process.isolation import missing
 from tests.hostile.build import hostile_fmu
 from tests.hostile.test_the_command_line_survives import FILE
 
 COMMAND = """
 import sys
 from pathlib import Path
-from harness.supervision.isolation import isolate
+from harness.process.isolation import isolate
 isolate([Path(sys.argv[1])])
 from harness.cli.main import main
 main(sys.argv[2:])

@@ -8,9 +8,9 @@ import pytest
 
 from harness.bench import Bench
 from harness.errors import SimulationError
+from harness.process.checkpoint import CHECKPOINT_FILE, Snapshot
+from harness.process.limits import Limits
 from harness.results.recording import read_recording
-from harness.supervision.checkpoint import CHECKPOINT_FILE, Snapshot
-from harness.supervision.limits import Limits
 from tests.hostile.build import hostile_fmu
 
 EVERY = Limits(checkpoint=None, checkpoint_simulated=0.5)

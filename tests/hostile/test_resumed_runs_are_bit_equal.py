@@ -7,9 +7,9 @@ import pytest
 
 from harness.bench import Bench
 from harness.errors import HarnessError, RecordingError, SimulationError
+from harness.process.checkpoint import CHECKPOINT_FILE
+from harness.process.limits import Limits
 from harness.results.recording import read_recording
-from harness.supervision.checkpoint import CHECKPOINT_FILE
-from harness.supervision.limits import Limits
 from tests.hostile.worlds import bench
 
 OFTEN = Limits(checkpoint=1e-6)  # after every chunk

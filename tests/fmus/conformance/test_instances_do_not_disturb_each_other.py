@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmus.plant import Plant
+from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import FmuInstance
 from tests.fmus.conformance.excitation import STEP, excitation
 
 Array = NDArray[np.float64]

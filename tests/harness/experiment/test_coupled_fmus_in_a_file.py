@@ -7,9 +7,9 @@ import pytest
 
 from benchmarks.coupling_order import monolithic
 from harness.errors import ExperimentError
-from harness.execution.run import opened, plan_system
-from harness.execution.timing import schedule
 from harness.experiment.experiment import Experiment
+from harness.master.run import opened, plan_system
+from harness.master.timing import schedule
 
 FILE = """
 title = "Coupled oscillator"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from controllers.block import Array, Block, Signal
 from controllers.pid import PID
 from harness import registry
-from harness.execution.compile import compile_step
+from harness.compiler.step import compile_step
 from harness.experiment.experiment import Experiment
 from harness.system.graph import BlockComponent
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from harness.execution.native import LIBRARY, native_step
+from harness.compiler.native import LIBRARY, native_step
 from harness.export.controller import controller_fmu
 from tests.harness.export.blocks import counter, example, pid
 
@@ -55,7 +55,7 @@ def test_the_module_names_no_machine() -> None:
 def test_the_module_is_the_same_in_another_process() -> None:
     script = (
         "import sys; from tests.harness.export.blocks import pid, example\n"
-        "from harness.execution.native import native_step\n"
+        "from harness.compiler.native import native_step\n"
         "native_step(example('gain')[0]); sys.stdout.write(native_step(pid()))"
     )
     root = Path(__file__).parents[3]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from harness.execution.compile import CompileError
-from harness.execution.source import python_source
+from harness.compiler.source import python_source
+from harness.compiler.step import CompileError
 from harness.export.certify import growing
 from tests.harness.export.blocks import EXAMPLES, example
 

@@ -8,9 +8,9 @@ import pytest
 from scipy.linalg import expm
 
 from harness.errors import FmuError
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.library import platform_tuple
 from harness.fmi.fmu import Fmu
-from harness.fmi.instance import FmuInstance
-from harness.fmi.library import platform_tuple
 from tests.harness.fmi.archives import member, oscillator_fmu, rewritten
 
 MASS, DAMPING, STIFFNESS = 2.0, 1.5, 80.0

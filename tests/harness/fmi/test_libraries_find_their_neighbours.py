@@ -92,7 +92,7 @@ def test_what_is_not_in_the_fmu_is_not_found(
 def test_folders_of_dead_processes_are_swept(tmp_path: Path) -> None:
     """One that a killed process left behind goes at the next start; those of the living stay."""
     environment = os.environ | {"TMPDIR": str(tmp_path)}
-    make = "from harness.fmi.temporary import make_folder; print(make_folder())"
+    make = "from harness.fmi.archive.temporary import make_folder; print(make_folder())"
     kill = f"{make}; import os; os.kill(os.getpid(), 9)"
     subprocess.run([sys.executable, "-c", kill], env=environment, check=False, capture_output=True)
     (left,) = tmp_path.iterdir()

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from harness.errors import FmuError
+from harness.fmi.binding.library import platform_tuple
+from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
-from harness.fmi.library import platform_tuple
-from harness.fmi.logger import LogMessage
 
 COMPILER = shutil.which("cc")
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="needs a C compiler")

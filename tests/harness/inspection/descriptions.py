@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from harness.fmi.model_description import ModelDescription, Variable
+from harness.fmi.description.model_description import ModelDescription, Variable
 
 
 def described(*variables: Variable) -> ModelDescription:

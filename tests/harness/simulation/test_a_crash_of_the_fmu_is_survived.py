@@ -14,7 +14,7 @@ import pytest
 from harness import simulate
 from harness.cli.main import run_command_line
 from harness.errors import FmuError, SimulationError
-from harness.supervision.limits import Limits
+from harness.process.limits import Limits
 from tests.harness.simulation.fmus import crashing_fmu, model_fmu, needs_compiler
 
 pytestmark = [needs_compiler, pytest.mark.skipif(os.name == "nt", reason="signals")]

@@ -8,9 +8,9 @@ import pytest
 
 from harness import simulate
 from harness.errors import FmuError, SimulationError, UsageError
-from harness.fmi.fmi2 import Fmi2Instance
-from harness.fmi.fmi3 import Fmi3Instance
-from harness.fmi.instance import DiscreteStates
+from harness.fmi.binding.fmi2 import Fmi2Instance
+from harness.fmi.binding.fmi3 import Fmi3Instance
+from harness.fmi.binding.instance import DiscreteStates
 from tests.harness.fmi.archives import member, rewritten
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 

@@ -6,8 +6,8 @@ import pytest
 
 from harness import simulate
 from harness.errors import FmuError, SimulationError
-from harness.fmi.fmi2 import Fmi2Instance
-from harness.fmi.instance import StepOutcome
+from harness.fmi.binding.fmi2 import Fmi2Instance
+from harness.fmi.binding.instance import StepOutcome
 from tests.harness.fmi.archives import member, rewritten
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 

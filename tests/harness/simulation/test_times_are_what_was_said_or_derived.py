@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
-from harness.fmi.model_description import ModelDescription
 from harness.simulation.grid import Grid
 from harness.simulation.settings import Request, Settings, derived, settle
 from tests.harness.simulation.fmus import model_fmu, needs_compiler

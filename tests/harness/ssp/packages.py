@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-from harness.fmi.model_description import ModelDescription
+from harness.fmi.description.model_description import ModelDescription
 from harness.ssp.flatten import FlatWire, flat_wires
 from harness.ssp.package import open_package
 from harness.ssp.ports import Ports
 from harness.ssp.start_values import start_values
 from harness.ssp.tree import Tree, build_tree
 from harness.system.block import Block
-from tests.harness.execution.mock import Input, MockFmu, Output
+from tests.harness.master.mock import Input, MockFmu, Output
 
 NAMESPACES = " ".join(
     f'xmlns:{prefix}="http://ssp-standard.org/SSP1/SystemStructure{name}"'

@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 
 from harness.errors import GraphError
-from harness.execution.run import plan_system
+from harness.master.run import plan_system
 from harness.system.block import Port
 from harness.system.graph import PythonComponent, SensitivityComponent
-from tests.harness.execution.mock import Input, MockFmu, Output
-from tests.harness.execution.small_systems import MS, controller, fmu, system, wire
+from tests.harness.master.mock import Input, MockFmu, Output
+from tests.harness.master.small_systems import MS, controller, fmu, system, wire
 
 
 def plant() -> MockFmu:

@@ -6,9 +6,9 @@ import pytest
 from harness.instruments.imperfections import make_imperfection
 from harness.system.graph import SignalComponent
 from harness.system.lowering import DelayComponent, lower
-from tests.harness.execution.mock import Input, MockFmu, Output
-from tests.harness.execution.rows import run
-from tests.harness.execution.small_systems import MS, controller, fmu, system, wire
+from tests.harness.master.mock import Input, MockFmu, Output
+from tests.harness.master.rows import run
+from tests.harness.master.small_systems import MS, controller, fmu, system, wire
 
 NOISE = make_imperfection("noise", {"std": 0.5})
 BIAS = make_imperfection("bias", {"value": 2.0})

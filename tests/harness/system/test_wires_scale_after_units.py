@@ -8,8 +8,8 @@ from harness.errors import GraphError
 from harness.system.check import check
 from harness.system.graph import Connection
 from harness.system.lowering import lower
-from tests.harness.execution.mock import Input, MockFmu, Output
-from tests.harness.execution.small_systems import end, fmu, system
+from tests.harness.master.mock import Input, MockFmu, Output
+from tests.harness.master.small_systems import end, fmu, system
 
 
 @pytest.mark.parametrize("convert", [True, False])

@@ -1,0 +1,1 @@
+"""All that touches numba and LLVM: step functions as machine code, calls by address."""

@@ -1,0 +1,143 @@
+"""Machine code kept from one process to the next, wherever that is possible.
+
+numba keeps it beside the source, or where `NUMBA_CACHE_DIR` says. Where neither can be written (an
+installation for all users, a user without a home) it goes into the folder that `FMU_HARNESS_CACHE`
+names, else into the user's cache folder. Where nothing can be written, code that is there is read,
+other code is compiled anew in each process, and one note says so. Files that are damaged or cannot
+be read count as not there.
+
+This module refuses to fail: without a cache all works, and begins some seconds later.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+import warnings
+from contextlib import suppress
+from pathlib import Path
+from types import FunctionType
+from typing import Any, Self
+
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.ccallback import CFunc
+from numba.core.sigutils import normalize_signature
+
+_APPLICATION = "fmu-harness"
+_quiet = False
+
+
+def cached(function: Any) -> Any:
+    """A function decorated with `njit`, such that its machine code is kept."""
+    function._cache = _Cache(function.py_func)
+    return function
+
+
+def kept_callback(function: FunctionType, signature: Any, **options: Any) -> Any:
+    """The same for a C function of `signature`, compiled now or fetched."""
+    made: Any = CFunc(function, normalize_signature(signature), locals={}, options=options)
+    made._cache = _Cache(function)
+    made.compile()
+    return made
+
+
+def say_nothing() -> None:
+    """This process cannot write and need not be told so."""
+    global _quiet
+    _quiet = True
+
+
+def _folders() -> list[Path]:
+    """Where code may be kept that cannot stay beside its source."""
+    chosen = os.environ.get("FMU_HARNESS_CACHE")
+    found = [Path(chosen)] if chosen else []
+    try:
+        home = Path.home()
+    except RuntimeError:  # the user has none
+        return found
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData/Local")
+    elif sys.platform == "darwin":
+        base = home / "Library/Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache")
+    return [*found, base / _APPLICATION]
+
+
+class _OwnPlace:
+    """What numba calls a locator, of a function in a source file; asked after numba's own."""
+
+    def __init__(self, function: FunctionType, source: str, folder: Path) -> None:
+        self._source, self._folder = Path(source), folder
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: FunctionType, source: str) -> Self | None:
+        """The first folder that can be written, else that beside the source, to read from it."""
+        if not Path(source).is_file():
+            return None
+        beside = Path(source).resolve().parent
+        name = f"{beside.name}_{hashlib.sha256(os.fsencode(beside)).hexdigest()[:16]}"
+        for folder in _folders():
+            made = cls(function, source, folder / "machine_code" / name)
+            try:
+                made.ensure_cache_path()
+            except OSError:
+                continue
+            return made
+        return cls(function, source, beside / "__pycache__")
+
+    def ensure_cache_path(self) -> None:
+        """Raises `OSError` where the folder cannot be made or written."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=self._folder).close()
+
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return str(self._folder)
+
+    def get_source_stamp(self) -> bytes:
+        """Changes with the source, as numba's own does."""
+        return hashlib.sha256(self._source.read_bytes()).digest()
+
+    def get_disambiguator(self) -> str:
+        """Tells functions of one name apart."""
+        return str(self._line)
+
+
+class _Files(CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (*CompileResultCacheImpl._locator_classes, _OwnPlace)
+
+
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """numba's cache, but for what it does where files cannot be read or written."""
+
+    _impl_class = _Files
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What is kept, or None; pickled code that is damaged can raise anything, and goes."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep it where that is possible."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as fault:
+            self._tell(fault)
+
+    def _tell(self, fault: Exception) -> None:
+        if not _quiet:
+            say_nothing()
+            warnings.warn(
+                f"machine code cannot be kept in {self.cache_path} ({fault}), so every process "
+                "compiles it anew for some seconds; set FMU_HARNESS_CACHE to a folder that can be "
+                "written",
+                stacklevel=2,
+            )

@@ -1,0 +1,262 @@
+"""From a block's step function to the address of a C function.
+
+A step function is plain Python. Here it and every plain Python function that it names are rebuilt
+as numba functions and wrapped as `int32 entry(double *p, double *x, double *u, double *y, const
+int64 *sizes)`; one code serves blocks of all sizes. The machine code is cached on disk under a
+fingerprint of all that code, so a change in a helper of another module is noticed, which numba's
+own cache does not.
+
+Every rebuilt function bears the fingerprint of its step in its name. Code from the cache shares
+one space of symbols with all other code of the process, and of two equal symbols the first wins:
+functions of one name in two steps (a template bound to two models) must not have the same symbol.
+
+It refuses step functions that raise: a block reports that it cannot go on by writing NaN.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import dis
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+from numba import carray, njit, types
+from numba.core.errors import NumbaError
+from numpy.typing import NDArray
+
+from harness.compiler.machine_code import kept_callback
+from harness.errors import HarnessError
+from harness.system.block import Array, Block, StepFunction
+
+_POINTER = types.CPointer(types.float64)
+_SIGNATURE = types.int32(*[_POINTER] * 4, types.CPointer(types.int64))
+_SCALARS = (bool, int, float, np.integer, np.floating)
+_MODULES = ("math", "numpy")  # of other modules one cannot tell what a step function takes
+
+_C_POINTER, _C_SIZES = ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_int64)
+
+
+class CompileError(HarnessError):
+    """A step function that cannot be compiled."""
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledStep:
+    """A compiled step function for one block: the `address` of its C function, the `sizes` that
+    it takes, (4,) for p, x, u, y; and the object that keeps the code alive."""
+
+    address: int
+    sizes: NDArray[np.int64]
+    keep: Any
+
+    def call(self, p: int, x: int, u: int, y: int) -> list[int]:
+        """Its address and its arguments, for the arrays at these addresses."""
+        return [self.address, p, x, u, y, self.sizes.ctypes.data]
+
+    def __call__(self, p: Array, x: Array, u: Array, y: Array) -> None:
+        """Call it as the step function that it was; arrays as long as those of the block."""
+        self.keep.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
+                         self.sizes.ctypes.data_as(_C_SIZES))  # fmt: skip
+
+
+def _entry(p: Any, x: Any, u: Any, y: Any, sizes: Any) -> Any:  # `step` is bound by _compile
+    n = carray(sizes, (4,))
+    arrays = carray(p, (n[0],)), carray(x, (n[1],)), carray(u, (n[2],)), carray(y, (n[3],))
+    step(*arrays)  # type: ignore[name-defined]  # noqa: F821
+    return np.int32(0)
+
+
+def compile_step(block: Block) -> CompiledStep:
+    """Compile `block.step`, or fetch it from the cache.
+
+    Raises `CompileError` naming the function and the reason.
+    """
+    lengths = map(len, (block.parameters, block.state, block.inputs, block.outputs))
+    name = f"step_{step_fingerprint(block.step)[:24]}"
+    if name not in _compiled:
+        _compiled[name] = _compile(_plain(block.step), name)
+    code = _compiled[name]
+    return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
+
+
+_compiled: dict[str, Any] = {}
+
+
+def _compile(function: FunctionType, name: str) -> Any:
+    scope = {**globals(), "step": _rebuild(function, name, {})}
+    entry = FunctionType(_entry.__code__, scope, name)
+    entry.__qualname__, entry.__module__ = name, __name__
+    try:
+        return kept_callback(entry, _SIGNATURE, error_model="numpy")
+    except NumbaError as fault:
+        raise CompileError(
+            f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
+            "it with scalars, loops and the math module only, or run it as a plain Python block"
+        ) from fault
+
+
+def _plain(function: Any) -> FunctionType:
+    """The Python function itself, also of one that numba has decorated."""
+    function = getattr(function, "py_func", function)
+    if not isinstance(function, FunctionType):
+        raise CompileError(f"{function!r} is no plain Python function, so it cannot be compiled")
+    return function
+
+
+def _is_function(value: Any) -> bool:
+    return isinstance(value, FunctionType) or hasattr(value, "py_func")
+
+
+def _named(function: FunctionType) -> dict[str, Any]:
+    """The global values that a function names now, in itself or in functions inside it."""
+    known = function.__globals__
+    return {name: known[name] for name in _read(function.__code__).names if name in known}
+
+
+@dataclass(frozen=True)
+class _CodeFacts:
+    """What never changes about a code object: the names that it uses, in itself or in functions
+    inside it; whether it raises; the digest of its instructions and constants."""
+
+    names: tuple[str, ...]
+    raises: bool
+    digest: bytes
+
+
+@cache
+def _read(code: CodeType) -> _CodeFacts:
+    """Read once: taking instructions apart takes longer than many a run."""
+
+    def names(code: CodeType) -> Iterator[str]:
+        yield from code.co_names
+        for constant in code.co_consts:
+            if isinstance(constant, CodeType):
+                yield from names(constant)
+
+    digest = hashlib.sha256()
+    _feed(digest, code)
+    raises = any(one.opname == "RAISE_VARARGS" for one in dis.get_instructions(code))
+    return _CodeFacts(tuple(dict.fromkeys(names(code))), raises, digest.digest())
+
+
+def _fingerprint(
+    function: FunctionType, callers: tuple[FunctionType, ...], seen: dict[int, int], digest: Any
+) -> None:
+    """Feed all that the machine code of `function` depends on; refuse what cannot be compiled."""
+    if function in callers:
+        raise CompileError(
+            f"step function {_label(function)} calls itself, which compiled blocks may not; write "
+            "a loop"
+        )
+    known = id(function) in seen
+    digest.update(f"function {seen.setdefault(id(function), len(seen))};".encode())
+    if known:
+        return
+    _refuse(function)
+    digest.update(_read(function.__code__).digest)
+    digest.update(repr((function.__defaults__, function.__kwdefaults__)).encode())
+    for name, value in _named(function).items():
+        digest.update(f"{name}={_identity(function, name, value)};".encode())
+        if _is_function(value):
+            _fingerprint(_plain(value), (*callers, function), seen, digest)
+
+
+def _identity(function: FunctionType, name: str, value: Any) -> str:
+    """What stands for a global value in the fingerprint; raises where it may not be used."""
+    if isinstance(value, (*_SCALARS, tuple)):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if _is_function(value):
+        return "function"
+    if isinstance(value, ModuleType) and value.__name__ in _MODULES:
+        return value.__name__
+    if isinstance(value, (type, BuiltinFunctionType, np.ufunc)):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}"
+    kind = f"module {value.__name__}" if isinstance(value, ModuleType) else type(value).__name__
+    raise CompileError(
+        f"step function {_label(function)} uses {name}, a {kind}; it may use functions and numbers "
+        "by name, and the modules math and numpy"
+    )
+
+
+def _rebuild(function: FunctionType, step: str, done: dict[int, Any], **options: bool) -> Any:
+    """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
+    if id(function) not in done:
+        helpers = {
+            name: _rebuild(_plain(value), step, done, **options)
+            for name, value in _named(function).items()
+            if _is_function(value)
+        }
+        scope = {**function.__globals__, **helpers}
+        own = f"{function.__name__}_in_{step}"
+        plain = FunctionType(function.__code__, scope, own, function.__defaults__)
+        plain.__qualname__ = own
+        plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
+        done[id(function)] = njit(plain, error_model="numpy", **options)
+    return done[id(function)]
+
+
+def _refuse(function: FunctionType) -> None:
+    if function.__closure__:
+        raise CompileError(
+            f"step function {_label(function)} uses variables of an enclosing function; pass them "
+            "through the block's parameters"
+        )
+    if _read(function.__code__).raises:
+        line = function.__code__.co_firstlineno
+        raise CompileError(
+            f"step function {_label(function)} (line {line}) raises an exception, which "
+            "compiled code cannot carry to the caller; write NaN to the outputs instead"
+        )
+
+
+def _feed(digest: Any, code: CodeType) -> None:
+    digest.update(code.co_code)
+    digest.update(repr(code.co_names + code.co_varnames).encode())
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            _feed(digest, constant)
+        else:
+            digest.update(repr(constant).encode())
+
+
+def _label(function: StepFunction | Callable[..., Any]) -> str:
+    return f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', function)}"
+
+
+def _first_line(fault: Exception) -> str:
+    lines = [line.strip() for line in str(fault).splitlines() if line.strip()]
+    return lines[1] if len(lines) > 1 and lines[0].startswith("Failed in") else (lines or ["?"])[0]
+
+
+def step_functions(step: StepFunction) -> list[FunctionType]:
+    """The step function itself and every plain Python function that it names, directly or not."""
+    waiting = [_plain(step)]
+    found = {id(waiting[0]): waiting[0]}
+    while waiting:
+        for value in _named(waiting.pop()).values():
+            if _is_function(value) and id(_plain(value)) not in found:
+                function = _plain(value)
+                found[id(function)] = function
+                waiting.append(function)
+    return list(found.values())
+
+
+def step_fingerprint(step: StepFunction) -> str:
+    """Hash of all that the machine code of `step` depends on; raises `CompileError` for what cannot
+    be compiled."""
+    digest = hashlib.sha256()
+    _fingerprint(_plain(step), (), {}, digest)
+    return digest.hexdigest()
+
+
+def rebuilt_step(step: StepFunction, name: str, **options: bool) -> Any:
+    """`step` as a numba function called `name`, whose helpers are numba functions; `options` of
+    numba's apply to all of them."""
+    return _rebuild(_plain(step), name, {}, **options)

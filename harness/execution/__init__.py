@@ -1,1 +1,0 @@
-"""From the checked system to a run: integer time, flat plan, compiled loop."""

@@ -1,0 +1,1 @@
+"""FMU archives, hostile until checked, and where they are unpacked to."""

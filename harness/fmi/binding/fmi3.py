@@ -1,0 +1,130 @@
+"""FMI 3.0: what is particular to it in instantiating, initialising and stepping an FMU."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from harness.errors import FmuError
+from harness.fmi.binding.instance import (
+    CO_SIMULATION,
+    DISCARD,
+    DiscreteStates,
+    FmuInstance,
+    StepOutcome,
+)
+from harness.fmi.binding.logger import fmi3_logger
+from harness.fmi.description.model_description import Variable
+
+_INTERVAL_CHANGED = 2
+_TYPES = {
+    "Float32": ctypes.c_float, "Float64": ctypes.c_double, "Int8": ctypes.c_int8,
+    "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16, "UInt16": ctypes.c_uint16,
+    "Int32": ctypes.c_int32, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64,
+    "UInt64": ctypes.c_uint64, "Boolean": ctypes.c_bool, "String": ctypes.c_char_p,
+    "Binary": ctypes.py_object, "Clock": ctypes.c_bool,
+}  # fmt: skip
+
+
+class Fmi3Instance(FmuInstance):
+    """An instance of an FMI 3.0 FMU; intermediate update is not used."""
+
+    prefix = "fmi3"
+
+    def _instantiate(self, folder: Path, logging: bool) -> int | None:
+        b, s, p = ctypes.c_bool, ctypes.c_char_p, ctypes.c_void_p
+        resources = folder / "resources"
+        path = f"{resources}{os.sep}".encode() if resources.is_dir() else None
+        common = (self.name.encode(), self.description.token.encode(), path, False, logging)
+        callback = ctypes.cast(fmi3_logger, p)
+        handle: int | None
+        if self.interface_type == CO_SIMULATION:
+            function = ctypes.CFUNCTYPE(
+                p, s, s, s, b, b, b, b, p, ctypes.c_size_t, p, p, p
+            )(self.address("InstantiateCoSimulation"))  # fmt: skip
+            modes = (self.event_mode, self.early_return)
+            handle = function(*common, *modes, None, 0, self._environment, callback, None)
+        else:
+            function = ctypes.CFUNCTYPE(p, s, s, s, b, b, p, p)(
+                self.address("InstantiateModelExchange")
+            )
+            handle = function(*common, self._environment, callback)
+        return handle
+
+    def enter_initialization_mode(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """fmi3EnterInitializationMode."""
+        self.call(
+            "EnterInitializationMode",
+            ctypes.c_bool(tolerance is not None),
+            ctypes.c_double(tolerance or 0.0),
+            ctypes.c_double(start_time),
+            ctypes.c_bool(stop_time is not None),
+            ctypes.c_double(stop_time or 0.0),
+        )
+
+    def advance(self, time: float, step: float) -> StepOutcome:
+        """fmi3DoStep without a state to return to; it may return early."""
+        event, terminate, early = (ctypes.pointer(ctypes.c_bool()) for _ in range(3))
+        last = ctypes.pointer(ctypes.c_double(time + step))
+        numbers = (ctypes.c_double(time), ctypes.c_double(step), ctypes.c_bool(True))
+        status = self.status("DoStep", *numbers, event, terminate, early, last)
+        ends = terminate.contents.value
+        if status == DISCARD:
+            return StepOutcome(time, False, ends, True)
+        self.check(status, "DoStep", f" at t = {time:.9g} s")
+        reached = last.contents.value if early.contents.value else time + step
+        return StepOutcome(reached, event.contents.value, ends)
+
+    def configure(self, values: Mapping[str, int]) -> None:
+        """Set structural parameters, by which the sizes of arrays change."""
+        self.call("EnterConfigurationMode")
+        self.set(values)
+        self.call("ExitConfigurationMode")
+        self.structural.update({name: int(value) for name, value in values.items()})
+
+    def enter_event_mode(self) -> None:
+        """fmi3EnterEventMode."""
+        self.call("EnterEventMode")
+
+    def leave_event_mode(self) -> None:
+        """fmi3EnterStepMode or fmi3EnterContinuousTimeMode."""
+        stepping = self.interface_type == CO_SIMULATION
+        self.call("EnterStepMode" if stepping else "EnterContinuousTimeMode")
+
+    def update_discrete_states(self) -> DiscreteStates:
+        """fmi3UpdateDiscreteStates."""
+        flags = [ctypes.pointer(ctypes.c_bool()) for _ in range(5)]
+        time = ctypes.pointer(ctypes.c_double())
+        self.call("UpdateDiscreteStates", *flags, time)
+        needs, end, nominals, values, defined = (flag.contents.value for flag in flags)
+        return DiscreteStates(
+            needs, end, nominals, values, time.contents.value if defined else None
+        )
+
+    def completed_integrator_step(self) -> tuple[bool, bool]:
+        """fmi3CompletedIntegratorStep."""
+        event, end = ctypes.pointer(ctypes.c_bool()), ctypes.pointer(ctypes.c_bool())
+        self.call("CompletedIntegratorStep", ctypes.c_bool(True), event, end)
+        return event.contents.value, end.contents.value
+
+    def interval(self, clock: str) -> float | None:
+        """fmi3GetIntervalDecimal of a clock (s): None where it is not known or has not changed
+        since it was last asked for."""
+        reference = ctypes.pointer(
+            ctypes.c_uint32(self.description.variable(clock).value_reference)
+        )
+        interval, qualifier = ctypes.pointer(ctypes.c_double()), ctypes.pointer(ctypes.c_int())
+        self.call("GetIntervalDecimal", reference, ctypes.c_size_t(1), interval, qualifier)
+        return interval.contents.value if qualifier.contents.value == _INTERVAL_CHANGED else None
+
+    def accessor(self, variable: Variable) -> tuple[str, Any]:
+        """One pair of functions a type; enumerations are Int64."""
+        name = "Int64" if variable.type == "Enumeration" else variable.type
+        if name not in _TYPES:
+            raise FmuError(f"variable {variable.name!r} of type {name} cannot be read or set here")
+        return name, _TYPES[name]

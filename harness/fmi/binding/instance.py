@@ -1,0 +1,357 @@
+"""One instance of an FMU: its life cycle and its values, all versions of FMI alike.
+
+Everything outside the loop goes through here, one ctypes call at a time; the loop itself takes
+the addresses (`address`, `handle`) and calls them directly. Statuses are treated as the standard
+says: Warning goes on, Discard and Error raise, after Fatal nothing is called any more, not even
+free. What is particular to model exchange and to events is in `continuous.py` and `events.py`.
+
+This module refuses scheduled execution.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import FmuError
+from harness.fmi.binding.interface import (
+    CO_SIMULATION,
+    MODEL_EXCHANGE,
+    DiscreteStates,
+    InterfaceType,
+    StepOutcome,
+    capabilities,
+)
+from harness.fmi.binding.library import library_path, load, mandatory_functions
+from harness.fmi.binding.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
+from harness.fmi.binding.mark import calling, returned
+from harness.fmi.binding.values import Value, Values, binaries, binary_pointers, from_c, to_c
+from harness.fmi.description.model_description import ModelDescription, Variable
+
+__all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
+           "StepOutcome", "Value", "capabilities"]  # fmt: skip
+
+DISCARD = 2
+FATAL = 4
+
+
+class FmuInstance(ABC):
+    """An instantiated FMU; use as a context manager, or call `free`.
+
+    `handle` is the component pointer, `log` the messages received so far.
+    """
+
+    def __init__(
+        self,
+        description: ModelDescription,
+        folder: Path,
+        name: str,
+        *,
+        interface_type: InterfaceType = CO_SIMULATION,
+        event_mode: bool = False,
+        early_return: bool = False,
+        logging: bool = False,
+        echo: Callable[[LogMessage], None] | None = None,
+    ) -> None:
+        """Load and instantiate; raises `FmuError` with what the FMU logged.
+
+        `event_mode` and `early_return` are for FMI 3 co-simulation only.
+        """
+        self.capabilities = capabilities(description, interface_type)
+        self.description = description
+        self.name = name
+        self.interface_type = interface_type
+        self.event_mode, self.early_return = event_mode, early_return
+        self.structural: dict[str, int] = {}
+        self.log = MessageLog(echo)
+        path = library_path(folder, self.capabilities.model_identifier, description.fmi_major)
+        calling(name, "loading its library")
+        self._library = load(path)
+        exchange = interface_type == MODEL_EXCHANGE
+        self._library.require(mandatory_functions(description.fmi_major, exchange))
+        returned()
+        self._functions: dict[str, Any] = {}
+        self._refuse_when_dead()
+        self._environment = register(self.log)
+        calling(name, f"{self.prefix}Instantiate")
+        self.handle = self._instantiate(folder, logging)
+        returned()
+        if not self.handle:
+            self.free()
+            raise FmuError(
+                f"component {name}: FMU {description.name} could not be instantiated: "
+                f"{self.log.reasons()}"
+            )
+        self._library.instances += 1
+
+    prefix: str
+
+    @abstractmethod
+    def _instantiate(self, folder: Path, logging: bool) -> int | None: ...
+
+    def symbol(self, name: str) -> str:
+        """The full name of the C function `name`."""
+        return self.prefix + name
+
+    def address(self, name: str) -> int:
+        """Address of the C function `name`, without its prefix ("SetReal")."""
+        return self._library.address(self.symbol(name))
+
+    def offers(self, name: str) -> bool:
+        """Whether the library has the C function `name`; many FMUs leave out what is optional."""
+        return self._library.find(self.symbol(name)) is not None
+
+    def call(self, name: str, *arguments: Any, what: str = "") -> None:
+        """Call the C function `name` of this instance; raise unless it succeeds."""
+        self.check(self.status(name, *arguments, what=what), name, what)
+
+    def status(self, name: str, *arguments: Any, what: str = "") -> int:
+        """Call the C function `name` of this instance; its status."""
+        self._refuse_when_dead()
+        function = self._functions.get(name)
+        if function is None:
+            prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *map(type, arguments))
+            function = self._functions[name] = prototype(self.address(name))
+        calling(self.name, f"{self.prefix}{name}{what}")
+        status: int = function(self.handle, *arguments)
+        returned()
+        return status
+
+    def check(self, status: int, name: str, what: str = "") -> None:
+        """Raise `FmuError` when `status` of function `name` is Discard, Error or Fatal."""
+        if status in (0, 1):
+            return
+        if status == FATAL:
+            self.mark_dead()
+        label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+        raise FmuError(
+            f"component {self.name}: {self.symbol(name)}{what} returned {label}: "
+            f"{self.log.reasons()}"
+        )
+
+    def mark_dead(self) -> None:
+        """Nothing of this FMU is called any more: Fatal corrupts all instances of a library."""
+        self._library.corrupted = True
+
+    @property
+    def alive(self) -> bool:
+        """Whether functions of this instance may be called."""
+        return bool(self.handle) and not self._library.corrupted
+
+    def _refuse_when_dead(self) -> None:
+        if self._library.corrupted:
+            raise FmuError(
+                f"component {self.name}: its FMU reported Fatal before and cannot be called"
+            )
+
+    # life cycle
+
+    @abstractmethod
+    def enter_initialization_mode(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Begin initialisation at `start_time` (s)."""
+
+    def exit_initialization_mode(self) -> None:
+        """End initialisation; the instance can do steps from now on."""
+        self.call("ExitInitializationMode")
+
+    def terminate(self) -> None:
+        """End the simulation of this instance."""
+        self.call("Terminate")
+
+    def reset(self) -> None:
+        """Bring the instance back to where it was after instantiation."""
+        self.call("Reset")
+
+    free_function = "FreeInstance"
+
+    def free(self) -> None:
+        """Free the instance; harmless when it is gone already."""
+        if self.handle and not self._library.corrupted:
+            function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address(self.free_function))
+            calling(self.name, f"{self.prefix}{self.free_function}")
+            function(self.handle)
+            returned()
+            self._library.instances -= 1
+        self.handle = None
+        forget(self._environment)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    def do_step(self, time: float, step: float) -> None:
+        """Step from `time` by `step` (s); raises `FmuError` unless the whole step was done."""
+        outcome = self.advance(time, step)
+        if outcome.discarded:
+            self.check(DISCARD, "DoStep", f" at t = {time:.9g} s")
+
+    @abstractmethod
+    def advance(self, time: float, step: float) -> StepOutcome:
+        """Step from `time` by `step` (s), and say how far it came; raises `FmuError`."""
+
+    def asks_for_the_end(self) -> bool:
+        """Whether a discarded step means that the FMU wishes the simulation to end."""
+        return False
+
+    # events
+
+    @abstractmethod
+    def enter_event_mode(self) -> None:
+        """Stop the continuous part; inputs of all kinds may be set, events are handled."""
+
+    @abstractmethod
+    def leave_event_mode(self) -> None:
+        """Go on: continuous-time mode in model exchange, step mode in co-simulation."""
+
+    @abstractmethod
+    def update_discrete_states(self) -> DiscreteStates:
+        """One iteration of event handling."""
+
+    @abstractmethod
+    def completed_integrator_step(self) -> tuple[bool, bool]:
+        """After an accepted step of the solver: whether to handle an event, and to end."""
+
+    # values
+
+    @abstractmethod
+    def accessor(self, variable: Variable) -> tuple[str, Any]:
+        """Suffix of the get and set functions for a variable's type, and its C type."""
+
+    def shape(self, variable: Variable) -> tuple[int, ...]:
+        """The sizes of an array with the structural parameters in force; () for a scalar."""
+        return tuple(
+            size if isinstance(size, int) else self._structural(size)
+            for size in variable.dimensions
+        )
+
+    def _structural(self, name: str) -> int:
+        start = self.description.variable(name).start
+        return self.structural.get(name, int(start or 0))
+
+    def count(self, variable: Variable) -> int:
+        """The number of elements of a variable."""
+        return int(np.prod(self.shape(variable), dtype=np.int64))
+
+    def set(self, values: Mapping[str, Values]) -> None:
+        """Set variables by name: a number, a boolean, a string, bytes, or those of an array."""
+        for name, value in values.items():
+            variable = self.description.variable(name)
+            suffix, ctype = self.accessor(variable)
+            if variable.details.negated:
+                value = -value  # type: ignore[operator]
+            data = to_c(variable, value, ctype, self.count(variable), self.name)
+            if suffix == "Binary":
+                sizes, data, _kept = binary_pointers(list(data))
+                self._transfer(f"Set{suffix}", variable, sizes, data)
+            else:
+                self._transfer(f"Set{suffix}", variable, data)
+
+    def get(self, name: str) -> Any:
+        """The value of a variable: a float, an int, a bool, a str, bytes, or an array of them."""
+        variable = self.description.variable(name)
+        suffix, ctype = self.accessor(variable)
+        shape, count = self.shape(variable), self.count(variable)
+        if suffix == "Binary":
+            sizes, pointers = (ctypes.c_size_t * count)(), (ctypes.c_void_p * count)()
+            self._transfer(f"Get{suffix}", variable, sizes, pointers)
+            return from_c(variable, binaries(sizes, pointers), shape)
+        data = (ctype * count)()
+        self._transfer(f"Get{suffix}", variable, data)
+        value = from_c(variable, data, shape)
+        return -value if variable.details.negated else value
+
+    def _transfer(self, function: str, variable: Variable, *data: Any) -> None:
+        reference = ctypes.c_uint32(variable.value_reference)
+        sized = self.prefix == "fmi3" and not function.endswith("Clock")
+        sizes = [ctypes.c_size_t(len(data[-1]))] if sized else []
+        native = self._functions.get(function)
+        if native is None:
+            pointer, size = ctypes.c_void_p, ctypes.c_size_t
+            types = [pointer, size, *(pointer for _ in data), *(size for _ in sizes)]
+            prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
+            native = self._functions[function] = prototype(self.address(function))
+        self._refuse_when_dead()
+        what = f" of variable {variable.name!r}"
+        blocks = [ctypes.byref(block) for block in data]
+        calling(self.name, f"{self.prefix}{function}{what}")
+        status = native(self.handle, ctypes.byref(reference), 1, *blocks, *sizes)
+        returned()
+        self.check(status, function, what)
+
+    # state
+
+    def get_state(self, state: ctypes.c_void_p | None = None) -> ctypes.c_void_p:
+        """A snapshot of the whole FMU state, in the place of an older one where `state` is given;
+        give it back with `free_state`."""
+        state = ctypes.c_void_p() if state is None else state
+        self.call("GetFMUState" if self.prefix == "fmi3" else "GetFMUstate", ctypes.pointer(state))
+        return state
+
+    def set_state(self, state: ctypes.c_void_p) -> None:
+        """Return to a snapshot of this instance."""
+        self.call("SetFMUState" if self.prefix == "fmi3" else "SetFMUstate", state)
+
+    def free_state(self, state: ctypes.c_void_p) -> None:
+        """Give a snapshot back."""
+        self.call(
+            "FreeFMUState" if self.prefix == "fmi3" else "FreeFMUstate", ctypes.pointer(state)
+        )
+
+    def serialized_state(self) -> bytes:
+        """A snapshot as bytes, which outlives the process; raises `FmuError`."""
+        state, size = self.get_state(), ctypes.c_size_t()
+        try:
+            self.call(f"Serialized{self._state}Size", state, ctypes.pointer(size))
+            content = (ctypes.c_uint8 * size.value)()
+            first = ctypes.cast(content, ctypes.c_void_p)
+            self.call(f"Serialize{self._state}", state, first, size)
+        finally:
+            self.free_state(state)
+        return bytes(content)
+
+    def restore_state(self, content: bytes) -> None:
+        """Return to a snapshot in bytes, of an instance of the same FMU; raises `FmuError`."""
+        state, size = ctypes.c_void_p(), ctypes.c_size_t(len(content))
+        first = ctypes.cast(ctypes.create_string_buffer(content, len(content)), ctypes.c_void_p)
+        verb = "Deserialize" if self.prefix == "fmi3" else "DeSerialize"
+        self.call(f"{verb}{self._state}", first, size, ctypes.pointer(state))
+        try:
+            self.set_state(state)
+        finally:
+            self.free_state(state)
+
+    @property
+    def _state(self) -> str:
+        return "FMUState" if self.prefix == "fmi3" else "FMUstate"
+
+    # derivatives
+
+    def directional_derivative(
+        self, unknowns: Sequence[str], known: str, seed: float = 1.0
+    ) -> NDArray[np.float64]:
+        """d(unknowns)/d(known) * seed, shape (len(unknowns),)."""
+        references = (ctypes.c_uint32 * len(unknowns))(
+            *(self.description.variable(name).value_reference for name in unknowns)
+        )
+        reference = ctypes.pointer(
+            ctypes.c_uint32(self.description.variable(known).value_reference)
+        )
+        seeds, result = ctypes.pointer(ctypes.c_double(seed)), (ctypes.c_double * len(unknowns))()
+        n, one = ctypes.c_size_t(len(unknowns)), ctypes.c_size_t(1)
+        first, out = ctypes.cast(references, ctypes.c_void_p), ctypes.cast(result, ctypes.c_void_p)
+        if self.prefix == "fmi3":
+            sized = (first, n, reference, one, seeds, one, out, n)
+            self.call("GetDirectionalDerivative", *sized)
+        else:
+            self.call("GetDirectionalDerivative", first, n, reference, one, seeds, out)
+        return np.array(result)

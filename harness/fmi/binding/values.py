@@ -1,0 +1,177 @@
+"""Values of variables between Python and C: numbers, booleans, strings, binaries, arrays, clocks.
+
+Pure conversions; nothing of an FMU is called here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import FmuError
+from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+
+Value = float | int | bool | str | bytes
+Values = Value | Sequence[Any] | NDArray[Any]
+
+_WORDS = {"true": True, "false": False, "1": True, "0": False, "1.0": True, "0.0": False}
+_NATIVE: dict[str, Any] = {
+    "Float32": np.float32, "Float64": np.float64, "Real": np.float64, "Int8": np.int8,
+    "UInt8": np.uint8, "Int16": np.int16, "UInt16": np.uint16, "Int32": np.int32,
+    "UInt32": np.uint32, "Int64": np.int64, "UInt64": np.uint64, "Integer": np.int32,
+    "Enumeration": np.int64, "Boolean": np.bool_, "Clock": np.bool_,
+}  # fmt: skip
+
+
+def native_dtype(variable: Variable) -> Any:
+    """The numpy type that holds a variable exactly; `object` for strings and binaries."""
+    return _NATIVE.get(variable.type, np.object_)
+
+
+def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> Any:
+    """A C array of `count` elements; raises `FmuError` where `value` does not fit."""
+    items = flat(value)
+    if len(items) != count:
+        raise FmuError(
+            f"component {component}: variable {variable.name!r} has {count} element(s), "
+            f"but {len(items)} value(s) were given"
+        )
+    try:
+        made = [_to_c(variable, item) for item in items]
+        data = (ctype * count)(*made)
+        if variable.type in INTEGER_TYPES and list(data) != made:  # C integers wrap silently
+            raise ValueError(value)
+        return data
+    except (TypeError, ValueError, KeyError, OverflowError) as fault:
+        raise FmuError(
+            f"component {component}: variable {variable.name!r} of type {variable.type} cannot be "
+            f"set to {value!r}"
+        ) from fault
+
+
+def flat(value: Values) -> list[Any]:
+    """The elements of a value in row-major order."""
+    if isinstance(value, np.ndarray):
+        return list(value.ravel().tolist())
+    if isinstance(value, (list, tuple)):
+        return [item for part in value for item in flat(part)]
+    return [value]
+
+
+def _to_c(variable: Variable, value: Any) -> Any:
+    if variable.type in REAL_TYPES:
+        return float(value)
+    if variable.type in INTEGER_TYPES:
+        whole = int(value)
+        if not isinstance(value, (int, str)) and float(value) != whole:
+            raise ValueError(value)
+        return whole
+    if variable.type in ("Boolean", "Clock"):
+        return _WORDS[str(value).strip().lower()]
+    if variable.type == "String":
+        return str(value).encode()
+    if variable.type == "Binary":
+        return bytes.fromhex(value) if isinstance(value, str) else bytes(value)
+    raise TypeError(variable.type)
+
+
+def from_c(variable: Variable, data: Any, shape: tuple[int, ...]) -> Any:
+    """The Python value of a C array: one item, or for an array an ndarray of `shape`."""
+    items = [_from_c(variable, item) for item in data]
+    if not shape:
+        return items[0]
+    dtype = np.object_ if variable.type in ("String", "Binary") else None
+    return np.array(items, dtype=dtype).reshape(shape)
+
+
+def _from_c(variable: Variable, item: Any) -> Any:
+    if variable.type in ("Boolean", "Clock"):
+        return bool(item) if not isinstance(item, bytes) else item != b"\0"
+    if variable.type == "String":
+        return (item or b"").decode("utf-8", "replace")
+    return item
+
+
+def binary_pointers(data: Sequence[bytes]) -> tuple[Any, Any, Any]:
+    """Sizes, pointers and what keeps them alive, for setting binaries."""
+    buffers = [ctypes.create_string_buffer(one, max(1, len(one))) for one in data]
+    sizes = (ctypes.c_size_t * len(data))(*map(len, data))
+    pointers = (ctypes.c_void_p * len(data))(*map(ctypes.addressof, buffers))
+    return sizes, pointers, buffers
+
+
+def binaries(sizes: Any, pointers: Any) -> list[bytes]:
+    """The bytes behind the pointers that an FMU gave; copied at once, since they are its own."""
+    return [
+        ctypes.string_at(pointer, size) if pointer and size else b""
+        for size, pointer in zip(sizes, pointers, strict=True)
+    ]
+
+
+def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
+    """The value that `text` means for a variable, as in a start attribute or a cell of a CSV file.
+
+    Arrays are separated by spaces or commas, in row-major order; a binary is hexadecimal; an
+    enumeration is a number or the name of an item; booleans are true, false, 1 or 0, in any
+    case. Raises `FmuError` where the text means nothing.
+    """
+    words = text.replace(",", " ").split() if variable.dimensions or count > 1 else [text]
+    try:
+        values = [_parse(variable, word) for word in words]
+    except (KeyError, ValueError, OverflowError) as fault:
+        raise FmuError(
+            f"variable {variable.name!r} of type {variable.type} cannot be {text!r}"
+            + _choices(variable)
+        ) from fault
+    return values if variable.dimensions else values[0]
+
+
+def _parse(variable: Variable, word: str) -> Any:
+    if variable.type in REAL_TYPES:
+        return float(word)
+    if variable.type in INTEGER_TYPES:
+        return _whole(variable, word.strip())
+    if variable.type in ("Boolean", "Clock"):
+        return _WORDS[word.strip().lower()]
+    if variable.type == "Binary":
+        return bytes.fromhex(word)
+    return word
+
+
+def _whole(variable: Variable, word: str) -> int:
+    for number, name in variable.details.items:
+        if word == name:
+            return number
+    try:
+        return int(word)
+    except ValueError:
+        number_ = float(word)
+        if not math.isfinite(number_) or number_ != int(number_):
+            raise
+        return int(number_)
+
+
+def _choices(variable: Variable) -> str:
+    names = ", ".join(f"{number} {name!r}" for number, name in variable.details.items[:12])
+    return f"; its items are {names}" if names else ""
+
+
+def plain_accessor(variable: Variable, boolean: Any, fmi_major: int) -> tuple[str, Any]:
+    """Suffix of the get and set functions of FMI 1 and 2 for a variable's type, and its C type;
+    `boolean` is that of a Boolean. Raises `FmuError` for a type that the version does not know."""
+    if variable.type in REAL_TYPES:
+        return "Real", ctypes.c_double
+    if variable.type in INTEGER_TYPES:
+        return "Integer", ctypes.c_int
+    if variable.type == "Boolean":
+        return "Boolean", boolean
+    if variable.type == "String":
+        return "String", ctypes.c_char_p
+    raise FmuError(
+        f"variable {variable.name!r} has type {variable.type}, unknown in FMI {fmi_major}"
+    )

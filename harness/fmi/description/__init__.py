@@ -1,0 +1,1 @@
+"""modelDescription.xml: read, judged, and as data."""

@@ -1,0 +1,1 @@
+"""From the checked system to a run: integer time, plan, program, compiled loop."""

@@ -1,0 +1,1 @@
+"""How coupled FMUs step from one instant to the next, a file for each algorithm."""

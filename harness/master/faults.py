@@ -1,0 +1,181 @@
+"""What ended a run, in one sentence: which component, which call, which time, and why."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.clock import show, to_seconds
+from harness.errors import SimulationError
+from harness.fmi.binding.instance import DISCARD, FATAL, FmuInstance
+from harness.fmi.binding.logger import STATUS_NAMES
+from harness.master.plan.actions import (
+    Action,
+    Compute,
+    Iterate,
+    Linearise,
+    Read,
+    Restore,
+    Save,
+    Slope,
+    Step,
+    Write,
+)
+from harness.master.program import operations as op
+from harness.master.program.exchange import encode
+from harness.master.program.link import Program
+from harness.master.program.operations import INSTANT, OPERATION, RETURNED
+from harness.system.lowering import rate_of
+
+
+class EndRequestedError(SimulationError):
+    """An FMU asked for the end of the run before its stop time; no call failed."""
+
+
+def explain(
+    program: Program, instances: Mapping[str, FmuInstance], outcome: int
+) -> SimulationError:
+    """The fault behind `outcome` of the loop; an exception of a Python block is its cause.
+
+    What Ctrl-C or `sys.exit` raised inside a Python block is raised again as it is.
+    """
+    now = int(program.clock[INSTANT])
+    action = program.owners[int(program.clock[OPERATION])]
+    when = f"at t = {to_seconds(now):.9g} s"
+    name = getattr(action, "component", "?")
+    if outcome == op.EARLY:
+        return SimulationError(
+            f"component {name}: {call_name(action)} {when} returned before the end of the step"
+            f"{_got_until(program, now)}, although early return was not allowed at instantiation; "
+            "report it to its maker"
+        )
+    if outcome == op.NOT_CONVERGED:
+        return SimulationError(_not_converged(program, when))
+    if outcome == op.NOT_FINITE:
+        return SimulationError(_not_finite(program, name, when))
+    if outcome == op.OUT_OF_RANGE:
+        return SimulationError(_out_of_range(program, instances, when))
+    if name in program.callbacks:
+        fault = program.callbacks[name].fault
+        if fault is not None and not isinstance(fault, Exception):
+            raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
+        return _python_fault(program, name, now, when)
+    status = int(program.clock[RETURNED])
+    instance = instances[_fmu_of(program, action)]
+    if status == FATAL:
+        instance.mark_dead()
+    if status == DISCARD and isinstance(action, Step) and instance.asks_for_the_end():
+        outcome = op.TERMINATED
+    if outcome == op.TERMINATED:
+        return EndRequestedError(
+            f"component {name}: the FMU asked for the end of the run in the step {when}: "
+            f"{instance.log.reasons()}"
+        )
+    label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+    if status == DISCARD:
+        label += _got_until(program, now)
+    return SimulationError(
+        f"component {instance.name}: {call_name(action)} {when} returned {label}: "
+        f"{instance.log.reasons()}"
+    )
+
+
+def _got_until(program: Program, now: int) -> str:
+    """What an FMI 3 step that ended early says about the time that it reached, as a phrase.
+
+    FMUs that leave that time alone leave the end of an earlier step there, of which nothing is
+    said. After a step that did not end early the standard gives it no meaning.
+    """
+    row = program.code[int(program.clock[OPERATION])]
+    if row[0] != op.STEP_FMI3:
+        return ""
+    last = ctypes.c_double.from_address(int(row[5])).value
+    start, end = to_seconds(now), to_seconds(now + int(row[3]))
+    if start < last < end:
+        return f" (it got to t = {last:.9g} s)"
+    if start <= last <= end or last == op.UNTOUCHED:
+        return ""
+    return f" (and its lastSuccessfulTime is {last:.9g}, which is not within the step)"
+
+
+def _not_converged(program: Program, when: str) -> str:
+    action = program.owners[int(program.clock[OPERATION])]
+    assert isinstance(action, Iterate)
+    iteration = program.iterations[action]
+    residuals = iteration.residuals(program.v)
+    worst = int(np.argmax(residuals))
+    wire = action.wires[worst]
+    limits = iteration.convergence
+    stepping = any(isinstance(inner, Step) for inner in action.body)
+    way_out = "take smaller communication steps, " if stepping else ""
+    return (
+        f"coupling {wire.source} -> {wire.target} {when} did not converge in "
+        f"{limits.max_iterations} repetitions: {wire.target} = "
+        f"{program.v[iteration.assumed[worst]]:.9g} would have to be "
+        f"{program.v[iteration.found[worst]]:.9g} (relative residual {residuals[worst]:.3g}, "
+        f"tolerance {limits.tolerance:g}); {way_out}allow more repetitions or a larger tolerance"
+    )
+
+
+def _not_finite(program: Program, name: str, when: str) -> str:
+    row = program.code[int(program.clock[OPERATION])]
+    slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
+    port = next((end for end, place in program.layout.places() if place == slot), name)
+    return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
+
+
+def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: str) -> str:
+    _, kind, first, last, *_ = map(int, program.code[int(program.clock[OPERATION])])
+    room = np.zeros(8, dtype=np.uint8)
+    slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
+    port = next(end for end, place in program.layout.slots.items() if place == slot)
+    type_name = instances[port.component].description.port(port.variable).type
+    return (
+        f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
+        "saturate what is wired to it"
+    )
+
+
+def _python_fault(program: Program, name: str, now: int, when: str) -> SimulationError:
+    fault = program.callbacks[name].fault
+    component = program.plan.lowered.component(name)
+    rate = rate_of(component)
+    start = program.plan.lowered.system.start_ns
+    tick = (now - start - rate.phase_ns) // rate.period_ns
+    error = SimulationError(
+        f"controller {name} raised {type(fault).__name__}: {fault} {when} (sample {tick})"
+    )
+    error.__cause__ = fault
+    return error
+
+
+def _fmu_of(program: Program, action: Action) -> str:
+    if isinstance(action, Linearise):
+        component = program.plan.lowered.component(action.component)
+        return str(getattr(component, "component", action.component))
+    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore, Slope))
+    return action.component
+
+
+def call_name(action: Action) -> str:
+    """What an action asks of its component, as a phrase."""
+    match action:
+        case Read():
+            return f"getting {', '.join(action.outputs)}"
+        case Write():
+            return f"setting {', '.join(action.inputs)}"
+        case Step():
+            return f"doStep by {show(action.step_ns)}"
+        case Slope():
+            return "setting input derivatives"
+        case Save():
+            return "getting the FMU state"
+        case Restore():
+            return "setting the FMU state"
+        case Linearise():
+            return "directional derivative"
+        case Compute():
+            return "its step function"
+    return type(action).__name__

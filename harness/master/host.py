@@ -1,0 +1,70 @@
+"""What a run stands in: memory for its clock and its rows, and who is asked between chunks.
+
+A run in the caller's process has memory of its own and nobody to ask (`Surroundings`). A
+supervised one has shared memory, takes checkpoints, and may begin in the middle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.fmi.binding.instance import FmuInstance
+
+if TYPE_CHECKING:
+    from harness.master.program.link import Program
+
+_CHUNK_ROWS = 16384
+
+Times = NDArray[np.int64]
+Rows = NDArray[np.float64]
+
+
+class Surroundings:
+    """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows."""
+
+    def __init__(self) -> None:
+        self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)
+        self._times: Times = np.empty(0, dtype=np.int64)
+        self._rows: Rows = np.empty((0, 0))
+
+    def chunk_rows(self, columns: int) -> int:
+        """How many rows a chunk may have, where a cycle has no more."""
+        return _CHUNK_ROWS
+
+    def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
+        """Memory for the next chunk: times (ns) and rows, at least `rows` of them.
+
+        The rows of the chunk before it have been handed to the recorder.
+        """
+        if len(self._times) < rows:  # memory fresh from the system is slow to touch
+            self._times = np.empty(rows, dtype=np.int64)
+            self._rows = np.empty((rows, columns))
+        return self._times, self._rows
+
+    def most_rows(self, rows: int, columns: int) -> None:
+        """No chunk will have more than that; said once, before the first."""
+
+    def linked(self, program: Program) -> None:
+        """The program is there, nothing of it has run."""
+
+    def begin(self, program: Program, instances: Mapping[str, FmuInstance]) -> int:
+        """Everything is initialised: the cycle to begin with, after bringing the system there."""
+        return 0
+
+    def cycles_until(self, cycle: int) -> int:
+        """How many cycles from `cycle` on a chunk may have at most."""
+        return 2**62
+
+    def loop(self, inside: bool) -> None:
+        """The compiled loop is entered or left."""
+
+    def between(self, cycle: int) -> None:
+        """A chunk is done and recorded, `cycle` is next; may raise to end the run."""
+
+
+usual: type[Surroundings] = Surroundings
+"""What a run stands in that is given nothing else."""

@@ -1,0 +1,145 @@
+"""The rates of a system: the cycle that they share, and what falls on which instant of it.
+
+It refuses rates that do not divide one another, phases outside of their period, cycles that would
+need more than `MAX_ACTIONS` actions, and communication points that an FMU cannot keep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from harness.clock import common_cycle, show
+from harness.errors import TimingError
+from harness.fmi.description.model_description import ModelDescription
+from harness.master.algorithms.algorithms import strong_groups
+from harness.system.graph import Component, FmuComponent, SampledComponent, SensitivityComponent
+from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
+
+MAX_ACTIONS = 1_000_000
+
+
+class Rates:
+    """`cycle_ns` after which everything repeats, and `grid`: the communication points of each FMU
+    in it (ns after its beginning)."""
+
+    def __init__(
+        self, lowered: LoweredSystem, descriptions: Mapping[str, ModelDescription]
+    ) -> None:
+        """Raises `TimingError`."""
+        self.lowered = lowered
+        self.system = lowered.system
+        self.descriptions = descriptions
+        self.fmus = {c.name: c for c in lowered.fmus}
+        self.by_name: dict[str, Component] = {c.name: c for c in lowered.components}
+        self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
+        for wire in lowered.wires:
+            self.wires_to[wire.target.component].append(wire)
+        self._check_phases()
+        self._check_rates()
+        periods = [rate_of(c).period_ns for c in lowered.components]
+        self.cycle_ns = common_cycle([*periods, self.system.record_ns])
+        self._check_size()
+        self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
+        self._check_stop()
+        self._join_grids()
+
+    def _check_phases(self) -> None:
+        for c in self.lowered.sampled:
+            rate = rate_of(c)
+            if rate.phase_ns < 0:
+                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
+            if rate.phase_ns >= rate.period_ns:
+                raise TimingError(
+                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
+                    f"{show(rate.period_ns)}"
+                )
+
+    def _check_rates(self) -> None:
+        for c in self.lowered.sampled:
+            if isinstance(c, SensitivityComponent):
+                step_ns = self.fmus[c.component].step_ns
+                if c.period_ns % step_ns or c.phase_ns % step_ns:
+                    raise TimingError(
+                        f"sensitivity {c.name} runs every {show(c.period_ns)} (first at "
+                        f"{show(c.phase_ns)}) but {c.component} steps by {show(step_ns)}: both "
+                        "must be whole multiples of it"
+                    )
+        for wire in self.lowered.wires:
+            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
+            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
+            other = target if fmu is source else source
+            if fmu is None or isinstance(other, DelayComponent):
+                continue
+            rate = rate_of(other)
+            fast, slow = sorted((fmu.step_ns, rate.period_ns))
+            if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
+                offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
+                raise TimingError(
+                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
+                    f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
+                )
+
+    def _join_grids(self) -> None:
+        """FMUs that repeat their steps together communicate at the same instants."""
+        for group in strong_groups(self.lowered) if self.system.algorithm == "iterative" else ():
+            steps = {self.fmus[name].step_ns for name in group}
+            if len(steps) > 1:
+                text = ", ".join(f"{name} {show(self.fmus[name].step_ns)}" for name in group)
+                raise TimingError(
+                    f"the iterative algorithm repeats the steps of FMUs that drive each other "
+                    f"together, so their steps must be equal: {text}"
+                )
+            joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
+            for name in group:
+                capabilities = self.descriptions[name].co_simulation
+                fixed = capabilities is not None and not capabilities.can_handle_variable_step
+                if fixed and self.grid[name] != joined:
+                    raise TimingError(
+                        f"a delayed value arrives between the steps of FMUs that step together "
+                        f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
+                        "that is a multiple of it"
+                    )
+                self.grid[name] = joined
+
+    def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
+        offsets = set(range(0, self.cycle_ns, fmu.step_ns))
+        capabilities = self.descriptions[fmu.name].co_simulation
+        for wire in self.wires_to[fmu.name]:
+            source = self.by_name[wire.source.component]
+            if not isinstance(source, DelayComponent):
+                continue
+            arrivals = set(self.sample_offsets(source))
+            fixed = capabilities is not None and not capabilities.can_handle_variable_step
+            if fixed and arrivals - set(range(0, self.cycle_ns, fmu.step_ns)):
+                raise TimingError(
+                    f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes steps "
+                    f"of {show(fmu.step_ns)} only; use a delay that is a multiple of it"
+                )
+            offsets |= arrivals
+        return tuple(sorted(offsets))
+
+    def sample_offsets(self, component: SampledComponent) -> range:
+        """The sample instants of a component in a cycle, ns after its beginning."""
+        rate = rate_of(component)
+        return range(rate.phase_ns, self.cycle_ns, rate.period_ns)
+
+    def _check_size(self) -> None:
+        rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
+        count = sum(self.cycle_ns // period for period in rates.values())
+        if count > MAX_ACTIONS:
+            text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
+            raise TimingError(
+                f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
+                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
+                f"{text}"
+            )
+
+    def _check_stop(self) -> None:
+        length = self.system.stop_ns - self.system.start_ns
+        for fmu in self.fmus.values():
+            if length % fmu.step_ns:
+                raise TimingError(
+                    f"{fmu.name} steps by {show(fmu.step_ns)}, which does not divide the run of "
+                    f"{show(length)}; the nearest stop time is "
+                    f"{show(self.system.start_ns + round(length / fmu.step_ns) * fmu.step_ns)}"
+                )

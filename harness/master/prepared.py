@@ -1,0 +1,142 @@
+"""A system opened, checked and planned once, and run as often as one likes.
+
+Runs of a study differ in their seed, points of a sweep in start values; neither changes which
+FMUs are opened, nor the plan. Every run has instances, block states and noise of its own, so a
+run does not depend on those before it: the first and the hundredth give the same bits.
+
+Two kinds of component remember runs and cannot promise that: a plain Python object with state, and
+an FMU that may be instantiated once in a process only. `repeatable` says whether there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Self
+
+from harness.errors import UsageError, nearest
+from harness.fmi.binding.logger import LogMessage
+from harness.fmi.fmu import Fmu
+from harness.master.plan.planner import Plan
+from harness.master.run import Progress, columns_of, execute, opened, plan_system
+from harness.results.columns import Column
+from harness.results.manifest import FmuRecord, Manifest
+from harness.results.recording import Recording
+from harness.results.result import Result
+from harness.system.check import check
+from harness.system.graph import Component, FmuComponent, PythonComponent, System
+
+Echo = Callable[[str, LogMessage], None]
+StartValues = Mapping[str, Mapping[str, Any]]
+"""Start values by FMU component and variable."""
+
+
+class PreparedSystem:
+    """A planned system with its FMUs open; a context manager that closes them."""
+
+    def __init__(self, system: System, record: Sequence[str] = ("*",)) -> None:
+        """Open, check and plan; raises `HarnessError`."""
+        self._stack = ExitStack()
+        with ExitStack() as stack:
+            self._fmus = stack.enter_context(opened(system))
+            self._plan = plan_system(system, self._fmus, tuple(record))
+            self._columns = columns_of(self._plan, self._fmus)
+            self._stack = stack.pop_all()
+
+    @property
+    def system(self) -> System:
+        """The system as it was given."""
+        return self._plan.lowered.system
+
+    @property
+    def repeatable(self) -> bool:
+        """Whether no component remembers a run."""
+        return not any(map(self._remembers, self.system.components))
+
+    def run(
+        self,
+        folder: str | Path | None = None,
+        *,
+        seed: int | None = None,
+        start_values: StartValues | None = None,
+        progress: Progress | None = None,
+        echo: Echo | None = None,
+        experiment: Mapping[str, Any] | None = None,
+        needed: Iterable[str] = (),
+    ) -> Result:
+        """Run with another `seed`, and with `start_values` besides those of the system.
+
+        The rest is as in `Bench.run`.
+        """
+        plan = self._plan
+        if seed is not None or start_values:
+            plan = _changed(plan, self._fmus, seed, start_values or {})
+        check_needed(needed, self._columns)
+        manifest = Manifest(
+            fmus=tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self._fmus.items()),
+            seeds={"seed": plan.lowered.system.seed},
+            experiment=dict(experiment or {}),
+        )
+        place = None if folder is None else Path(folder)
+        with Recording(self._columns, place, manifest) as recording:
+            outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
+            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
+        if outcome.fault is not None:
+            outcome.fault.result = result
+            raise outcome.fault
+        return result
+
+    def close(self) -> None:
+        """Close the FMUs."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _remembers(self, component: Component) -> bool:
+        if isinstance(component, FmuComponent):
+            interface = self._fmus[component.name].description.co_simulation
+            return interface is not None and interface.can_be_instantiated_only_once
+        return isinstance(component, PythonComponent)
+
+
+def _changed(
+    plan: Plan, fmus: Mapping[str, Fmu], seed: int | None, start_values: StartValues
+) -> Plan:
+    """`plan` for another seed and other start values, which are checked like those of a system."""
+    lowered = plan.lowered
+    legal = [component.name for component in lowered.fmus]
+    for name in start_values:
+        if name not in legal:
+            raise UsageError(f"start values of {name!r}, which is no FMU; {nearest(name, legal)}")
+
+    def moved(component: Component) -> Component:
+        if isinstance(component, FmuComponent) and component.name in start_values:
+            merged = {**component.start_values, **start_values[component.name]}
+            return replace(component, start_values=merged)
+        return component
+
+    system = replace(
+        lowered.system,
+        components=tuple(map(moved, lowered.system.components)),
+        seed=lowered.system.seed if seed is None else seed,
+    )
+    if start_values:
+        check(system, {name: fmu.description for name, fmu in fmus.items()})
+    components = tuple(map(moved, lowered.components))
+    return replace(plan, lowered=replace(lowered, system=system, components=components))
+
+
+def check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
+    """Raises `UsageError` for a signal that is asked for and not recorded."""
+    names = [column.name for column in columns]
+    for name in needed:
+        if name not in names:
+            raise UsageError(
+                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
+            )

@@ -1,0 +1,1 @@
+"""A plan as memory, addresses and operations, and the loop that executes them."""

@@ -1,0 +1,82 @@
+"""Float64 slots to and from the integers, booleans and floats of an FMU's C interface.
+
+Signals are float64 inside the harness: whole numbers up to 2^53 are exact. Rounding is to the
+nearest, ties to even; a boolean is whatever is not zero. A number outside the range of its C type
+is refused: it would come out as another one. C numbers lie in the buffer byte by byte, lowest
+first, as on every machine served here; a view of the buffer as an array of another type would
+cost atomic reference counting at each use.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from harness.compiler.machine_code import cached
+from harness.master.program import operations as op
+
+_SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
+_LOWEST = (
+    -np.inf, -(2.0**7), 0.0, -(2.0**15), 0.0, -(2.0**31), 0.0, -(2.0**63), 0.0,
+    -_SINGLE * (1.0 - 2.0**-52), -np.inf,
+)  # fmt: skip
+_BEYOND = (
+    np.inf, 2.0**7, 2.0**8, 2.0**15, 2.0**16, 2.0**31, 2.0**32, 2.0**63, 2.0**64,
+    _SINGLE, np.inf,
+)  # fmt: skip
+"""By kind: the lowest number that it holds, and the first one beyond the highest."""
+
+_SIZE = op.ITEM_SIZE
+_BOOLEAN = tuple(kind in (op.BOOL8, op.BOOL32) for kind in range(len(_SIZE)))
+_SIGNED = tuple(kind in (op.INT8, op.INT16, op.INT32, op.INT64) for kind in range(len(_SIZE)))
+
+
+@cached
+@njit(nogil=True)  # type: ignore[untyped-decorator]
+def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> bool:
+    """Write slots first..last-1 of `v` as C numbers of `kind` from byte `start` of `exchange`.
+
+    False when one of them is out of range; then nothing may be read from there.
+    """
+    place, size = start, _SIZE[kind]
+    for slot in range(first, last):
+        if not _LOWEST[kind] <= np.rint(v[slot]) < _BEYOND[kind]:
+            return False
+        if _BOOLEAN[kind]:
+            bits = np.int64(v[slot] != 0.0)
+        elif kind == op.FLOAT32:
+            bits = np.int64(np.float32(v[slot]).view(np.int32))
+        elif kind == op.UINT64:
+            bits = np.int64(np.uint64(np.rint(v[slot])))
+        else:
+            bits = np.int64(np.rint(v[slot]))
+        for i in range(size):
+            exchange[place + i] = bits & 0xFF
+            bits >>= 8
+        place += size
+    return True
+
+
+@cached
+@njit(nogil=True)  # type: ignore[untyped-decorator]
+def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> None:
+    """Read C numbers of `kind` from byte `start` of `exchange` into slots first..last-1 of `v`."""
+    place, size = start, _SIZE[kind]
+    unused = 8 * (8 - size)
+    for slot in range(first, last):
+        bits = np.int64(0)
+        for i in range(size):
+            bits |= np.int64(exchange[place + i]) << (8 * i)
+        place += size
+        if _BOOLEAN[kind]:
+            v[slot] = 1.0 if bits != 0 else 0.0
+        elif kind == op.FLOAT32:
+            v[slot] = float(np.int32(bits).view(np.float32))
+        elif kind == op.UINT64:
+            v[slot] = float(np.uint64(bits))
+        elif _SIGNED[kind]:
+            v[slot] = float((bits << unused) >> unused)
+        else:
+            v[slot] = float(bits)

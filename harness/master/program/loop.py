@@ -1,0 +1,123 @@
+"""The loop: executes a program cycle by cycle, compiled, without the interpreter lock.
+
+It knows neither algorithms nor components by name; all of that is in the order and the operands
+of the program (`operations`). Time is integer nanoseconds; a real number of seconds is made of
+them only where an FMU asks for it.
+
+It refuses to allocate, to print, to decide what an error means, and to write past its buffers:
+the caller prepares enough samples and rows for the cycles that it asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from numba import njit
+
+from harness.compiler.calls import call_status, load_int64
+from harness.compiler.machine_code import cached
+from harness.master.program import operations as op
+from harness.master.program.exchange import decode, encode
+from harness.master.program.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
+
+_NANO = 1e9
+_WARNING = 1  # the highest FMI status with which a run goes on
+
+
+@cached
+@njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def run_cycles(
+    program: Any, instants: Any, span: Any, clock: Any, v: Any, copies: Any, scales: Any,
+    samples: Any, cursors: Any, exchange: Any, recorded: Any, rows: Any, row_times: Any,
+) -> int:  # fmt: skip
+    """Run until cycle span[3] begins or the stop time is done; returns an outcome of `operations`.
+
+    program    int64 (n_operations, WIDTH), in order of execution
+    instants   int64 (n_instants, 3): offset in the cycle in ns, first and last operation
+    span       int64 (4,): start ns, stop ns, cycle ns, number of the cycle to stop before
+    clock      int64 (5,): see `CYCLE` and its fellows; on a fault it names the operation
+    v          float64 (n_slots,): every signal of the system
+    copies     int64 (n_copies, 2): source, destination slot; scales (n_copies, 2): factor, offset
+    samples    float64, prepared samples of all signals; cursors int64 (n_signals,): next of each
+    exchange   uint8, where C integers are encoded and decoded
+    recorded   int64 (n_columns,): slots of a row; rows float64 (n_rows, n_columns), row_times int64
+    """
+    start, stop, cycle_ns, last_cycle = span[0], span[1], span[2], span[3]
+    while clock[CYCLE] < last_cycle:
+        for instant in range(instants.shape[0]):
+            now = start + clock[CYCLE] * cycle_ns + instants[instant, 0]
+            if now > stop:
+                break
+            clock[INSTANT] = now
+            o, end = instants[instant, 1], instants[instant, 2]
+            while o < end:
+                clock[OPERATION] = o
+                # one by one: a view of the row would cost atomic reference counting
+                code, a, b, c = program[o, 0], program[o, 1], program[o, 2], program[o, 3]
+                d, e, f = program[o, 4], program[o, 5], program[o, 6]
+                status = 0
+                if code == op.COPY:
+                    for i in range(a, b):
+                        v[copies[i, 1]] = scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
+                elif code == op.SAMPLE:
+                    v[b] = samples[cursors[a]]
+                    cursors[a] += 1
+                elif code == op.CALL_4:
+                    status = call_status(a, (b, c, d, e))
+                elif code == op.CALL_5:
+                    status = call_status(a, (b, c, d, e, f))
+                elif code == op.STEP_FMI3:
+                    if now + c <= stop:
+                        t, h = now / _NANO, c / _NANO
+                        final = program[o, 7]
+                        status = call_status(a, (b, t, h, final, d, d + 1, d + 2, e))
+                        if status <= _WARNING and exchange[f + 2] != 0:
+                            return op.EARLY
+                        if status <= _WARNING and exchange[f + 1] != 0:
+                            return op.TERMINATED
+                elif code == op.STEP_FMI2:
+                    if now + c <= stop:
+                        status = call_status(a, (b, now / _NANO, c / _NANO, d))
+                elif code == op.CHECK:
+                    for slot in range(a, b):
+                        if not math.isfinite(v[slot]):
+                            return op.NOT_FINITE
+                elif code == op.RECORD:
+                    row = clock[ROWS]
+                    for column in range(recorded.shape[0]):
+                        rows[row, column] = v[recorded[column]]
+                    row_times[row] = now
+                    clock[ROWS] = row + 1
+                elif code == op.ENCODE:
+                    if not encode(a, v, b, c, exchange, d):
+                        return op.OUT_OF_RANGE
+                elif code == op.DECODE:
+                    decode(a, v, b, c, exchange, d)
+                elif code == op.ADD:
+                    for i in range(a, b):
+                        v[copies[i, 1]] += scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
+                elif code == op.CALL_2:
+                    status = call_status(a, (b, c))
+                elif code == op.CALL_2_AT:
+                    status = call_status(a, (b, load_int64(c)))
+                elif code == op.REPEAT:
+                    if math.isnan(v[a]):
+                        return op.NOT_CONVERGED
+                    if v[a] != 0.0:
+                        o -= b
+                        continue
+                elif code == op.UNLESS_STOP:
+                    if now >= stop:
+                        break
+                elif code == op.CALL_7:
+                    status = call_status(a, (b, c, d, e, f, program[o, 7], program[o, 8]))
+                else:
+                    more = (program[o, 7], program[o, 8], program[o, 9], program[o, 10])
+                    status = call_status(a, (b, c, d, e, f, *more))
+                if status > _WARNING or status < 0:
+                    clock[RETURNED] = status
+                    return op.STATUS
+                o += 1
+        clock[CYCLE] += 1
+    return op.OK

@@ -1,0 +1,145 @@
+"""How much an FMU's output one sample later depends on its input now.
+
+With the input held over a sample h, the linearised FMU  dx/dt = A x + B u,  y = C x + D u  gives
+
+    dy(t + h) / du = C Γ + D,   Γ = ∫₀ʰ exp(A τ) dτ B.
+
+It is exact where that Jacobian holds for the whole sample: at rest and in slow motion, but not in
+the middle of a large step, where the plant leaves the state at which it was linearised.
+
+A, B, C and D are the FMU's own directional derivatives at the present state, taken by address in
+the loop, one column a call; Γ is the last column of exp([A B; 0 0] h), computed by scaling and
+squaring of its Taylor series. States are scaled by their nominal values first, so that hydraulic
+pressures and piston positions share one matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from harness.clock import to_seconds
+from harness.compiler.step import compile_step
+from harness.errors import FmuError
+from harness.fmi.binding.instance import FmuInstance
+from harness.master.program import operations as op
+from harness.system.block import Array, KernelBlock, Port
+from harness.system.graph import SensitivityComponent
+
+_TERMS = 14  # Taylor terms; with a norm below 1/2 the remainder is below 1e-16
+
+
+def sampled_sensitivity(p: Array, x: Array, u: Array, y: Array) -> None:
+    """y[0] = C Γ + D from one Jacobian.
+
+    p = (n, h, nominal values (n,)); u is the Jacobian of (dx/dt, y) with respect to (x, u),
+    shape (n + 1, n + 1), stored by columns; x is work space for three such matrices.
+    """
+    n, h = int(p[0]), p[1]
+    m = n + 1
+    matrix = x[: m * m].reshape(m, m)
+    power = x[m * m : 2 * m * m].reshape(m, m)
+    total = x[2 * m * m : 3 * m * m].reshape(m, m)
+    norm = 0.0
+    for i in range(m):
+        row = 0.0
+        for j in range(m):
+            scale = h if j == n else h * p[2 + j]
+            matrix[i, j] = u[j * m + i] * scale / p[2 + i] if i < n else 0.0
+            row += abs(matrix[i, j])
+        norm = max(norm, row)
+    halvings = 0
+    while norm > 0.5 and halvings < 100:
+        norm *= 0.5
+        halvings += 1
+    factor = 0.5**halvings
+    for i in range(m):
+        for j in range(m):
+            matrix[i, j] *= factor
+    exponential(matrix, power, total, halvings)
+    y[0] = u[n * m + n]
+    for j in range(n):
+        y[0] += u[j * m + n] * p[2 + j] * total[j, n]
+
+
+def exponential(matrix: Array, power: Array, total: Array, halvings: int) -> None:
+    """total = exp(matrix * 2^halvings) for a matrix (m, m) of norm below 1/2; power is work space.
+
+    Horner's scheme for exp(matrix) - I, then (I + E)^2 - I = 2 E + E E: the small part keeps its
+    digits through the squarings. `matrix` is overwritten.
+    """
+    m = matrix.shape[0]
+    for i in range(m):
+        for j in range(m):
+            total[i, j] = 0.0
+    for term in range(_TERMS, 0, -1):
+        for i in range(m):
+            for j in range(m):
+                value = matrix[i, j]
+                for k in range(m):
+                    value += matrix[i, k] * total[k, j]
+                power[i, j] = value / term
+        for i in range(m):
+            for j in range(m):
+                total[i, j] = power[i, j]
+    for _ in range(halvings):
+        for i in range(m):
+            for j in range(m):
+                value = 2.0 * total[i, j]
+                for k in range(m):
+                    value += total[i, k] * total[k, j]
+                power[i, j] = value
+        for i in range(m):
+            for j in range(m):
+                total[i, j] = power[i, j]
+
+
+class Linearisation:
+    """The memory and the operations of one sensitivity."""
+
+    def __init__(self, component: SensitivityComponent, instance: FmuInstance) -> None:
+        """Raises `FmuError` when the FMU names no states."""
+        description = instance.description
+        if not description.states:
+            raise FmuError(
+                f"sensitivity {component.name}: FMU {description.name} names no continuous states"
+            )
+        self.instance = instance
+        states = [description.variable(name) for name, _ in description.states]
+        derivatives = [description.variable(name) for _, name in description.states]
+        n, h = len(states), to_seconds(component.period_ns)
+        nominal = [abs(v.nominal or 0.0) or 1.0 for v in states]
+        output, known = (
+            description.variable(component.output),
+            description.variable(component.input),
+        )
+        self.unknowns = np.array(
+            [v.value_reference for v in [*derivatives, output]], dtype=np.uint32
+        )
+        self.knowns = np.array([v.value_reference for v in [*states, known]], dtype=np.uint32)
+        self.seed = np.ones(1)
+        self.jacobian = np.zeros((n + 1) ** 2)
+        self.parameters = np.array([float(n), h, *nominal])
+        self.work = np.zeros(3 * (n + 1) ** 2)
+        ports = tuple(Port(f"j{i}") for i in range(self.jacobian.size))
+        block = KernelBlock(
+            ports, (Port("value"),), sampled_sensitivity, self.parameters, self.work
+        )
+        self.compiled = compile_step(block)
+
+    def operations(self, target: int) -> Iterator[list[int]]:
+        """One directional derivative a column, then the block that writes to address `target`."""
+        m = self.unknowns.size
+        function = self.instance.address("GetDirectionalDerivative")
+        handle, seed = self.instance.handle or 0, self.seed.ctypes.data
+        for j in range(m):
+            known = self.knowns.ctypes.data + 4 * j
+            column = self.jacobian.ctypes.data + 8 * m * j
+            head = [function, handle, self.unknowns.ctypes.data, m, known, 1, seed]
+            if self.instance.prefix == "fmi3":
+                yield [op.CALL_9, *head, 1, column, m]
+            else:
+                yield [op.CALL_7, *head, column]
+        p, x, u = (a.ctypes.data for a in (self.parameters, self.work, self.jacobian))
+        yield [op.CALL_5, *self.compiled.call(p, x, u, target)]

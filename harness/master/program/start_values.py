@@ -1,0 +1,70 @@
+"""What stands at the ports of blocks before they have computed for the first time, and at those
+elements of array inputs that nothing is wired to.
+
+A block's output has the start value that the block states. Where it states none (0, the default)
+and drives an input of an FMU, by a plain wire, a delay or imperfections, it has the value that
+makes the input its own start value: that of the component's `start_values`, else that of the
+model description. So an FMU is initialised, and runs until the first value arrives, with the
+inputs that its maker or the user gave it. Where an output drives several inputs, the first wire
+counts; where 0 is meant against the FMU's start value, `start_values` of the component say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from harness.fmi.description.model_description import ModelDescription
+from harness.master.plan.planner import Plan
+from harness.master.program.layout import whole
+from harness.system.check import inputs_of
+from harness.system.graph import (
+    BlockComponent,
+    Component,
+    Endpoint,
+    FmuComponent,
+    PythonComponent,
+)
+
+
+def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> dict[Endpoint, float]:
+    """The value of every port of what is no FMU, before anything has been computed, and of the
+    elements of FMU inputs."""
+    lowered = plan.lowered
+    elements = {
+        end: _input_start(lowered.system.component(end.component), end.variable, descriptions)
+        for end in whole(plan.written, descriptions)
+        if end.variable in descriptions[end.component].elements
+    }
+    values = {
+        Endpoint(component.name, signal.name): signal.start
+        for component in lowered.sampled
+        for signal in (*component.inputs, *component.outputs)
+    }
+    scales = {wire.target: (wire.factor, wire.offset) for wire in lowered.wires}
+    taken: dict[Endpoint, float] = {}
+    for connection in lowered.system.connections:
+        source, target = connection.source, connection.target
+        block, driven = (lowered.system.component(end.component) for end in (source, target))
+        is_block = isinstance(block, (BlockComponent, PythonComponent))
+        if is_block and isinstance(driven, FmuComponent) and values[source] == 0.0:
+            factor, offset = scales[target]
+            start = _input_start(driven, target.variable, descriptions)
+            taken.setdefault(source, (start - offset) / factor)
+    return values | taken | elements
+
+
+def _input_start(
+    component: Component, name: str, descriptions: Mapping[str, ModelDescription]
+) -> float:
+    assert isinstance(component, FmuComponent)
+    given: Any = component.start_values.get(name)
+    array, place = descriptions[component.name].elements.get(name, (None, 0))
+    if array is not None and array.name in component.start_values:
+        given = component.start_values[array.name][place]
+    if isinstance(given, (bool, int, float)):
+        return float(given)
+    if isinstance(given, str):
+        text = given.lower()
+        return float({"true": "1", "false": "0"}.get(text, text))
+    return inputs_of(component, descriptions)[name].start

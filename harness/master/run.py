@@ -1,0 +1,337 @@
+"""A run from a system as data to recorded rows.
+
+    open FMUs -> check -> lower -> plan -> instantiate -> initialise -> link -> loop -> terminate
+
+The loop is called for some cycles at a time, so that progress can be shown, rows written out and
+Ctrl-C heard. Whatever ends a run early is returned as the outcome's fault; the rows before it
+have been handed to the recorder.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.clock import to_seconds
+from harness.errors import FmuError, GraphError, HarnessError, SimulationError, nearest
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.logger import LogMessage
+from harness.fmi.description.model_description import NUMERIC_TYPES, ModelDescription
+from harness.fmi.fmu import Fmu
+from harness.instruments.source import named_seed
+from harness.master import host as usual_surroundings
+from harness.master.faults import EndRequestedError, explain
+from harness.master.host import Surroundings
+from harness.master.plan.planner import Plan, make_plan
+from harness.master.program import operations as op
+from harness.master.program.link import Program, link
+from harness.master.program.loop import run_cycles
+from harness.master.program.operations import CYCLE, ROWS
+from harness.results.columns import Column
+from harness.system.arrays import expand_arrays
+from harness.system.check import check, inputs_of, outputs_of
+from harness.system.graph import Endpoint, FmuComponent, System
+from harness.system.lowering import DelayComponent, lower
+
+_FIRST_CHUNK = 64
+_CHUNK_SECONDS = 0.05
+_SKIPPED = 4096  # cycles whose samples are drawn at once when a run begins in the middle
+
+Progress = Callable[[float], None]
+"""Called with the share of the run that is done, 0 to 1."""
+
+
+class Recorder(Protocol):
+    """Receives rows as they come."""
+
+    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        """Times (n,) and rows (n, columns); both are only valid during the call."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended: at `end_ns`, with `fault` where it did not reach its stop time."""
+
+    end_ns: int
+    fault: HarnessError | None
+    wall_seconds: float
+
+
+@contextmanager
+def opened(system: System) -> Iterator[dict[str, Fmu]]:
+    """The FMUs of a system by component name; each archive is unpacked once."""
+    with ExitStack() as stack:
+        by_path: dict[str, Fmu] = {}
+        for component in system.fmus:
+            key = str(component.path)
+            if key not in by_path:
+                by_path[key] = stack.enter_context(Fmu(component.path))
+        yield {c.name: by_path[str(c.path)] for c in system.fmus}
+
+
+def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
+    """Check, lower and plan; `record` are patterns of the signals to record."""
+    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    system = expand_arrays(system, descriptions)
+    check(system, descriptions)
+    recorded = recorded_ports(system, descriptions, record)
+    return make_plan(lower(system, descriptions), descriptions, recorded)
+
+
+def recorded_ports(
+    system: System, descriptions: Mapping[str, ModelDescription], patterns: tuple[str, ...]
+) -> tuple[Endpoint, ...]:
+    """FMU outputs and connected inputs, block inputs and outputs that match a pattern.
+
+    A pattern with no wildcard may also name any local variable of an FMU, or an array, which is
+    recorded element by element. Raises `GraphError`
+    where a pattern matches nothing.
+    """
+    wired = {c.target for c in system.connections}
+    offered: list[Endpoint] = []
+    exact: list[Endpoint] = []
+    for c in system.components:
+        readable = [Endpoint(c.name, name) for name in outputs_of(c, descriptions)]
+        inputs = [Endpoint(c.name, name) for name in inputs_of(c, descriptions)]
+        if isinstance(c, FmuComponent):
+            d = descriptions[c.name]
+            ports = map(d.port, [*d.variables, *d.elements])
+            kinds = {v.name for v in ports if v.type in NUMERIC_TYPES and not v.shape}
+            exact += [end for end in readable if end.variable in kinds]
+            causal = {name for v in d.outputs for name in d.whole(v.name)}
+            readable = [e for e in readable if e.variable in causal and e.variable in kinds]
+            inputs = [end for end in inputs if end in wired]
+        offered += [*readable, *inputs]
+    chosen: dict[Endpoint, None] = {}
+    for pattern in patterns:
+        every = [*offered, *exact]
+        found = [end for end in every if pattern in (str(end), str(end).partition("[")[0])]
+        found = found or [end for end in offered if fnmatchcase(str(end), pattern)]
+        if not found:
+            hint = nearest(pattern, [str(end) for end in [*offered, *exact]])
+            raise GraphError(f"nothing to record matches {pattern!r}; {hint}")
+        chosen.update(dict.fromkeys(found))
+    return tuple(chosen)
+
+
+def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
+    """What the columns of a recorded row are; an input without a unit has that of its source."""
+    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    system = plan.lowered.system
+    sources = {c.target: c.source for c in system.connections}
+    ports = {
+        Endpoint(c.name, name): info
+        for c in system.components
+        for known in (inputs_of(c, descriptions), outputs_of(c, descriptions))
+        for name, info in known.items()
+    }
+
+    def unit_of(end: Endpoint, hops: int = 8) -> str:
+        unit = ports[end].unit
+        if unit is None and end in sources and hops:
+            return unit_of(sources[end], hops - 1)
+        return unit.name if unit is not None else ""
+
+    return tuple(Column(str(end), unit_of(end), ports[end].description) for end in plan.recorded)
+
+
+def execute(
+    plan: Plan,
+    fmus: Mapping[str, Fmu],
+    recorder: Recorder,
+    *,
+    progress: Progress | None = None,
+    echo: Callable[[str, LogMessage], None] | None = None,
+    logging: bool | None = None,
+    surroundings: Surroundings | None = None,
+) -> Outcome:
+    """Run `plan`; faults of the run itself come back in the outcome, not as exceptions.
+
+    FMUs are asked for `logging` where it is true, or None and there is an `echo`.
+    """
+    began = time.perf_counter()
+    around = surroundings or usual_surroundings.usual()
+    verbose = echo is not None if logging is None else logging
+    with ExitStack() as stack:
+        instances: dict[str, FmuInstance] = {}
+        clock = None
+        fault: HarnessError | None = None
+        try:
+            for c in plan.lowered.fmus:
+                instances[c.name] = stack.enter_context(_instance(c, fmus[c.name], echo, verbose))
+            program = _initialise(plan, instances, around)
+            clock = program.clock
+            fault = _loop(program, instances, recorder, progress, around)
+            _free_snapshots(program, instances)
+            if fault is None or isinstance(fault, EndRequestedError):
+                for instance in instances.values():
+                    instance.terminate()
+        except HarnessError as caught:
+            fault = fault or caught
+    system = plan.lowered.system
+    end = system.start_ns if clock is None else int(clock[1])
+    end = system.stop_ns if fault is None else end
+    return Outcome(end, fault, time.perf_counter() - began)
+
+
+def _instance(
+    component: FmuComponent,
+    fmu: Fmu,
+    echo: Callable[[str, LogMessage], None] | None,
+    logging: bool,
+) -> FmuInstance:
+    name = component.name
+    if fmu.description.fmi_major == 1:
+        raise FmuError(
+            f"component {name}: its FMU is of FMI 1, and the loop runs FMI 2 and 3; "
+            "`fmu-harness simulate` runs it on its own"
+        )
+    seen = None if echo is None else (lambda message: echo(name, message))
+    return fmu.instantiate(name, logging=logging, echo=seen)
+
+
+def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surroundings) -> Program:
+    system = plan.lowered.system
+    start, stop = to_seconds(system.start_ns), to_seconds(system.stop_ns)
+    for component in plan.lowered.fmus:
+        instance = instances[component.name]
+        instance.set(component.start_values)
+        instance.enter_initialization_mode(start, stop, component.tolerance)
+    program = link(plan, instances, around.clock)
+    around.linked(program)
+    for signal in program.signals:
+        first = signal.source.sampler(named_seed(system.seed, signal.name))
+        value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
+        program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
+    around.loop(True)
+    outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
+    around.loop(False)
+    if outcome != op.OK:
+        raise explain(program, instances, outcome)
+    program.clock[:] = 0
+    for delay in plan.lowered.sampled:
+        if isinstance(delay, DelayComponent):
+            held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
+            program.states[delay.name][1:] = held
+    for instance in instances.values():
+        instance.exit_initialization_mode()
+    return program
+
+
+def _free_snapshots(program: Program, instances: Mapping[str, FmuInstance]) -> None:
+    for name, place in program.snapshots.items():
+        if place[0] and instances[name].alive:
+            instances[name].free_state(ctypes.c_void_p(int(place[0])))
+            place[0] = 0
+
+
+class _Samples:
+    """The prepared samples of all signals, refilled for each chunk of cycles."""
+
+    def __init__(self, program: Program) -> None:
+        system = program.plan.lowered.system
+        self.start, self.stop = system.start_ns, system.stop_ns
+        self.cycle_ns = program.plan.cycle_ns
+        self.signals = program.signals
+        self.samplers = [s.source.sampler(named_seed(system.seed, s.name)) for s in program.signals]
+        self.cursors = np.zeros(max(1, len(self.signals)), dtype=np.int64)
+        self.values = np.zeros(1)
+
+    def skip(self, cycles: int) -> None:
+        """Bring all samplers to where they are after that many cycles: what they give depends on
+        how many instants came before, not on how those were cut into chunks."""
+        for first in range(0, cycles, _SKIPPED):
+            self.fill(first, min(_SKIPPED, cycles - first))
+
+    def fill(self, first_cycle: int, n_cycles: int) -> None:
+        """Prepare the samples of `n_cycles` cycles from `first_cycle` on."""
+        parts = []
+        position = 0
+        for i, (signal, sampler) in enumerate(zip(self.signals, self.samplers, strict=True)):
+            first = self.start + first_cycle * self.cycle_ns
+            times = np.arange(
+                first + signal.phase_ns, first + n_cycles * self.cycle_ns, signal.period_ns
+            )
+            parts.append(sampler.sample(times[times <= self.stop].astype(np.int64)))
+            self.cursors[i] = position
+            position += len(parts[-1])
+        if parts:
+            self.values = np.concatenate(parts)
+
+
+def _loop(
+    program: Program,
+    instances: Mapping[str, FmuInstance],
+    recorder: Recorder,
+    progress: Progress | None,
+    around: Surroundings,
+) -> SimulationError | None:
+    system, cycle_ns = program.plan.lowered.system, program.plan.cycle_ns
+    n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
+    rows_per_cycle = cycle_ns // system.record_ns
+    samples = _Samples(program)
+    most = max(around.chunk_rows(len(program.recorded)), rows_per_cycle)
+    around.most_rows(most, len(program.recorded))
+    chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
+    cycle = around.begin(program, instances)
+    samples.skip(cycle)
+    while cycle < n_cycles:
+        chunk = min(chunk, n_cycles - cycle, around.cycles_until(cycle))
+        samples.fill(cycle, chunk)
+        program.clock[ROWS] = 0
+        times, rows = around.room(chunk * rows_per_cycle, len(program.recorded))
+        span = (system.start_ns, system.stop_ns, cycle_ns, cycle + chunk)
+        began = time.perf_counter()
+        around.loop(True)
+        try:
+            outcome = _call(program, program.instants, samples, span, rows, times)
+        finally:
+            around.loop(False)
+            done = program.clock[ROWS]
+            if done:
+                recorder.append(times[:done], rows[:done])
+        if outcome != op.OK:
+            return explain(program, instances, outcome)
+        cycle = int(program.clock[CYCLE])
+        if progress is not None:
+            progress(min(1.0, cycle / n_cycles))
+        around.between(cycle)
+        if time.perf_counter() - began < _CHUNK_SECONDS:
+            chunk = max(1, min(2 * chunk, most // rows_per_cycle))
+        else:
+            chunk = max(1, chunk // 2)
+    return None
+
+
+def _call(
+    program: Program,
+    instants: NDArray[np.int64],
+    samples: _Samples,
+    span: tuple[int, int, int, int],
+    rows: NDArray[np.float64] | None = None,
+    times: NDArray[np.int64] | None = None,
+) -> int:
+    outcome: int = run_cycles(
+        program.code,
+        instants,
+        np.array(span, dtype=np.int64),
+        program.clock,
+        program.v,
+        program.copies,
+        program.scales,
+        samples.values,
+        samples.cursors,
+        program.exchange,
+        program.recorded,
+        np.empty((0, len(program.recorded))) if rows is None else rows,
+        np.empty(0, dtype=np.int64) if times is None else times,
+    )
+    return outcome

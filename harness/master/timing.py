@@ -1,0 +1,251 @@
+"""What the timing contract comes to for a system: the schedule in words, and delays measured.
+
+The delays are measured, not derived: the system is run twice, the second time with a pulse in the
+output of one controller at one sample; the first instant at which anything else differs between
+the two runs is when it got there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.clock import show
+from harness.fmi.fmu import Fmu
+from harness.master.plan.actions import (
+    Action,
+    Blend,
+    Compute,
+    Iterate,
+    Keep,
+    Linearise,
+    Read,
+    Record,
+    Restore,
+    Sample,
+    Save,
+    Slope,
+    Step,
+    Transfer,
+    UnlessStop,
+    Write,
+)
+from harness.master.plan.planner import Plan
+from harness.master.run import execute, plan_system
+from harness.system.block import Array, KernelBlock, Port
+from harness.system.graph import (
+    BlockComponent,
+    Component,
+    Endpoint,
+    FmuComponent,
+    PythonComponent,
+    System,
+)
+
+PULSE_SAMPLE = 3
+_SAMPLES_AFTER = 12
+_SIZES = (1e-3, 1.0, 1e3)  # the first pulse that moves anything is taken
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """When a pulse computed at `computed_ns` showed first in `port`, None where it never did."""
+
+    port: Endpoint
+    computed_ns: int
+    arrived_ns: int | None
+    period_ns: int
+
+    @property
+    def samples(self) -> float | None:
+        """The delay in samples of the controller."""
+        if self.arrived_ns is None:
+            return None
+        return (self.arrived_ns - self.computed_ns) / self.period_ns
+
+
+def schedule(plan: Plan) -> Iterator[tuple[str, str]]:
+    """Pairs (instant, what happens) of one cycle, in order."""
+    for instant in plan.instants:
+        for line in _lines(instant.actions):
+            yield show(instant.offset_ns) if instant.offset_ns else "0 s", line
+
+
+def _lines(actions: Iterable[Action], indent: str = "") -> Iterator[str]:
+    for action in actions:
+        yield indent + describe(action)
+        if isinstance(action, Iterate):
+            yield from _lines(action.body, indent + "    ")
+
+
+def describe(action: Action) -> str:
+    """An action in words."""
+    match action:
+        case Sample():
+            return f"sample signal {action.component}"
+        case Transfer():
+            how = "copy " if action.view == "present" else f"copy what was {action.view}: "
+            return how + ", ".join(f"{w.source} -> {w.target}" for w in action.wires)
+        case Compute():
+            return f"compute {action.component}"
+        case Linearise():
+            return f"linearise for {action.component}"
+        case Read():
+            when = {"applied": " after its inputs", "reached": " at the end of its step"}
+            return (
+                f"read {action.component}: {', '.join(action.outputs)}{when.get(action.view, '')}"
+            )
+        case Write():
+            return f"write {action.component}: {', '.join(action.inputs)}"
+        case Step():
+            return f"step {action.component} by {show(action.step_ns)}"
+        case Record():
+            return "record a row"
+        case Blend():
+            weights = ", ".join(f"{weight:+g} × {view}" for view, weight in action.terms)
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"blend: {action.own:g} × {ends}, {weights} of what drives them"
+        case Slope():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"set the slopes of {ends}"
+        case Keep():
+            return f"keep as previous: {action.component}.{', '.join(action.outputs)}"
+        case Save():
+            return f"save the state of {action.component}"
+        case Restore():
+            return f"restore the state of {action.component}"
+        case UnlessStop():
+            return "end here at the stop time"
+        case Iterate():
+            ends = ", ".join(str(wire.target) for wire in action.wires)
+            return f"repeat until {ends} agree:"
+
+
+def measure_delays(system: System, fmus: Mapping[str, Fmu]) -> dict[Endpoint, tuple[Arrival, ...]]:
+    """For each controller output that drives an FMU: when a pulse in it arrives where.
+
+    Every controller's outputs are held at their start values in both runs, so that the loop is
+    open and the pulse is the only difference.
+    """
+    found = {}
+    for connection in system.connections:
+        source = system.component(connection.source.component)
+        target = system.component(connection.target.component)
+        if isinstance(source, (BlockComponent, PythonComponent)) and isinstance(
+            target, FmuComponent
+        ):
+            found[connection.source] = _measure(system, fmus, connection.source)
+    return found
+
+
+def _measure(system: System, fmus: Mapping[str, Fmu], pulsed: Endpoint) -> tuple[Arrival, ...]:
+    source = system.component(pulsed.component)
+    assert isinstance(source, (BlockComponent, PythonComponent))
+    computed = system.start_ns + source.phase_ns + PULSE_SAMPLE * source.period_ns
+    ports = _watched(system, pulsed)
+    baseline = _run(_opened(system, pulsed, 0.0), fmus, ports)
+    times: dict[Endpoint, int | None] = dict.fromkeys(ports)
+    for size in _SIZES:
+        times = _first_differences(
+            ports, baseline, _run(_opened(system, pulsed, size), fmus, ports)
+        )
+        if any(times[port] is not None for port in ports[1:]):
+            break
+    return tuple(Arrival(p, computed, times[p], source.period_ns) for p in ports)
+
+
+def _watched(system: System, pulsed: Endpoint) -> list[Endpoint]:
+    """The pulsed output, the FMU inputs it drives, and the block inputs it may come back to."""
+    driven = [c.target for c in system.connections if c.source == pulsed]
+    fmus = {component.name for component in system.fmus}
+    back = [
+        c.target for c in system.connections
+        if c.source.component in fmus and c.target.component not in fmus
+    ]  # fmt: skip
+    return [pulsed, *driven, *back]
+
+
+def _opened(system: System, pulsed: Endpoint, size: float) -> System:
+    """All controllers replaced by constants, the pulsed one by a pulse of `size`."""
+    components: list[Component] = []
+    periods = [c.step_ns for c in system.fmus]
+    for c in system.components:
+        if isinstance(c, (BlockComponent, PythonComponent)):
+            periods.append(c.period_ns)
+            target = pulsed.variable if c.name == pulsed.component else ""
+            block = _pulse_block(c, target, size)
+            components.append(BlockComponent(c.name, block, c.period_ns, c.phase_ns))
+        else:
+            components.append(c)
+    delays = [c.delay_ns for c in system.connections if c.delay_ns]
+    phases = [c.phase_ns for c in system.components if not isinstance(c, FmuComponent)]
+    record = math.gcd(*periods, *delays, *phases)
+    longest = max([*periods, *delays])
+    length = math.lcm(*[c.step_ns for c in system.fmus])
+    wanted = (PULSE_SAMPLE + _SAMPLES_AFTER) * longest
+    return replace(
+        system,
+        components=tuple(components),
+        record_ns=record,
+        stop_ns=system.start_ns + -(-wanted // length) * length,
+    )
+
+
+def pulse_step(p: Array, x: Array, u: Array, y: Array) -> None:
+    """p = (sample, place, size, start values…): the outputs are held, one of them is pulsed."""
+    for i in range(y.shape[0]):
+        y[i] = p[3 + i]
+    if x[0] == p[0] and p[1] >= 0.0:
+        y[int(p[1])] += p[2]
+    x[0] += 1.0
+
+
+def _pulse_block(c: BlockComponent | PythonComponent, target: str, size: float) -> KernelBlock:
+    names = [signal.name for signal in c.outputs]
+    place = names.index(target) if target else -1
+    return KernelBlock(
+        tuple(Port(s.name, s.unit, s.description, s.start) for s in c.inputs),
+        tuple(Port(s.name, s.unit, s.description, s.start) for s in c.outputs),
+        pulse_step,
+        np.array([PULSE_SAMPLE, place, size, *(s.start for s in c.outputs)], dtype=np.float64),
+        np.zeros(1),
+    )
+
+
+class _Rows:
+    """Keeps all rows in memory."""
+
+    def __init__(self) -> None:
+        self.chunks: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+
+    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        self.chunks.append((times_ns.copy(), rows.copy()))
+
+
+def _run(
+    system: System, fmus: Mapping[str, Fmu], ports: list[Endpoint]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    rows = _Rows()
+    outcome = execute(plan_system(system, fmus, tuple(map(str, dict.fromkeys(ports)))), fmus, rows)
+    if outcome.fault is not None:
+        raise outcome.fault
+    return (
+        np.concatenate([times for times, _ in rows.chunks]),
+        np.concatenate([values for _, values in rows.chunks]),
+    )
+
+
+def _first_differences(
+    ports: list[Endpoint],
+    first: tuple[NDArray[np.int64], NDArray[np.float64]],
+    second: tuple[NDArray[np.int64], NDArray[np.float64]],
+) -> dict[Endpoint, int | None]:
+    found: dict[Endpoint, int | None] = {}
+    for column, port in enumerate(dict.fromkeys(ports)):
+        changed = np.flatnonzero(first[1][:, column] != second[1][:, column])
+        found[port] = int(first[0][changed[0]]) if changed.size else None
+    return found

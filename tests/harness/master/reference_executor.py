@@ -1,0 +1,129 @@
+"""`loop.run_cycles` in plain Python, written from the meaning of the operations.
+
+Floats are Python floats, addresses are called through ctypes, C integers are packed by `struct`.
+"""
+
+import ctypes
+import math
+import struct
+from typing import Any
+
+from harness.master.program import operations as op
+
+FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16: "H",
+           op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
+           op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
+ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9}
+
+
+def call(address: int, *arguments: Any) -> int:
+    kinds = [ctypes.c_double if isinstance(a, float) else ctypes.c_int64 for a in arguments]
+    return int(ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(address)(*arguments))
+
+
+class Executor:
+    """Executes a program; the arguments are those of `run_cycles`."""
+
+    def __init__(self, clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times):  # type: ignore[no-untyped-def]
+        self.clock, self.v, self.wires = clock, v, list(zip(copies, scales, strict=True))
+        self.samples, self.cursors, self.exchange = samples, cursors, exchange
+        self.recorded, self.rows, self.times = recorded, rows, times
+
+    def run(self, program: Any, instants: Any, span: Any) -> int:
+        start, stop, cycle_ns, last = (int(x) for x in span)
+        while self.clock[0] < last:
+            for offset, first, end in instants.tolist():
+                now = start + int(self.clock[0]) * cycle_ns + offset
+                if now > stop:
+                    continue
+                self.clock[1] = now
+                index = first
+                while index < end:
+                    self.clock[3] = index
+                    code, *o = (int(x) for x in program[index])
+                    if code == op.UNLESS_STOP and now >= stop:
+                        break
+                    if code == op.REPEAT and self.v[o[0]] != 0 and not math.isnan(self.v[o[0]]):
+                        index -= o[1]
+                        continue
+                    outcome = self.execute(now, stop, [code, *o])
+                    if outcome:
+                        return outcome
+                    index += 1
+            self.clock[0] += 1
+        return op.OK
+
+    def execute(self, now: int, stop: int, row: list[int]) -> int:
+        code, *o = row
+        if code == op.COPY:
+            for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
+                self.v[target] = float(factor) * float(self.v[source]) + float(offset)
+        elif code == op.ADD:
+            for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
+                self.v[target] += float(factor) * float(self.v[source]) + float(offset)
+        elif code == op.REPEAT:
+            return op.NOT_CONVERGED if math.isnan(self.v[o[0]]) else op.OK
+        elif code == op.CALL_2_AT:
+            return self.status(call(o[0], o[1], ctypes.c_int64.from_address(o[2]).value))
+        elif code == op.SAMPLE:
+            self.v[o[1]] = self.samples[self.cursors[o[0]]]
+            self.cursors[o[0]] += 1
+        elif code in ARGUMENTS:
+            return self.status(call(*o[: 1 + ARGUMENTS[code]]))
+        elif code in (op.STEP_FMI2, op.STEP_FMI3):
+            return self.step(now, stop, code, o)
+        elif code == op.CHECK:
+            return 0 if all(map(math.isfinite, self.v[o[0] : o[1]])) else op.NOT_FINITE
+        elif code == op.RECORD:
+            row_number = int(self.clock[2])
+            self.times[row_number] = now
+            self.rows[row_number] = [self.v[slot] for slot in self.recorded]
+            self.clock[2] += 1
+        elif code in (op.ENCODE, op.DECODE):
+            return self.convert(code, *o[:4])
+        return op.OK
+
+    def step(self, now: int, stop: int, code: int, o: list[int]) -> int:
+        if now + o[2] > stop:
+            return op.OK
+        head = (o[0], o[1], now / 10**9, o[2] / 10**9, o[3 if code == op.STEP_FMI2 else 6])
+        if code == op.STEP_FMI2:
+            return self.status(call(*head))
+        status = call(*head, o[3], o[3] + 1, o[3] + 2, o[4])
+        _, terminate, early = (int(flag) for flag in self.exchange[o[5] : o[5] + 3])
+        if status > 1:
+            return self.status(status)
+        if early:
+            return op.EARLY
+        return op.TERMINATED if terminate else op.OK
+
+    def status(self, status: int) -> int:
+        if status in (0, 1):
+            return op.OK
+        self.clock[4] = status
+        return op.STATUS
+
+    def convert(self, code: int, kind: int, first: int, last: int, start: int) -> int:
+        form, n = FORMATS[kind], last - first
+        size = struct.calcsize(f"<{form}") * n
+        if code == op.DECODE:
+            stored = struct.unpack(f"<{n}{form}", self.exchange[start : start + size].tobytes())
+            self.v[first:last] = [float(bool(x) if kind == op.BOOL32 else x) for x in stored]
+            return op.OK
+        values = [float(x) for x in self.v[first:last]]
+        if kind in (op.BOOL8, op.BOOL32):
+            values = [x != 0.0 for x in values]
+        elif kind != op.FLOAT32:
+            values = [round(x) for x in values]
+        try:
+            self.exchange[start : start + size] = list(struct.pack(f"<{n}{form}", *values))
+        except (struct.error, OverflowError):
+            return op.OUT_OF_RANGE
+        return op.OK
+
+
+def run_cycles(program, instants, span, clock, v, copies, scales, samples, cursors, exchange,
+               recorded, rows, times):  # type: ignore[no-untyped-def]  # fmt: skip
+    """The same arguments and outcomes as the compiled loop."""
+    executor = Executor(clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times)
+    return executor.run(program, instants, span)

@@ -1,0 +1,49 @@
+"""Runs systems of mocks and keeps the rows."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from harness.errors import HarnessError
+from harness.master.run import Outcome, execute, plan_system
+from harness.system.graph import System
+from tests.harness.master.mock import MockFmu
+
+
+class Rows:
+    """A recorder: times (n,) in ns and rows (n, columns)."""
+
+    def __init__(self, columns: tuple[str, ...]) -> None:
+        self.columns = columns
+        self.chunks: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def append(self, times: np.ndarray, rows: np.ndarray) -> None:
+        self.chunks.append((times.copy(), rows.copy()))
+
+    @property
+    def times(self) -> np.ndarray:
+        return np.concatenate([np.empty(0, np.int64), *(c[0] for c in self.chunks)])
+
+    @property
+    def rows(self) -> np.ndarray:
+        return np.concatenate([np.empty((0, len(self.columns))), *(c[1] for c in self.chunks)])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.rows[:, self.columns.index(name)]
+
+
+def run_to_end(
+    system: System, fmus: Mapping[str, MockFmu], record: tuple[str, ...] = ("*",)
+) -> tuple[Rows, Outcome]:
+    """All that a run gives, whatever ends it."""
+    plan = plan_system(system, fmus, record)  # type: ignore[arg-type]
+    rows = Rows(tuple(map(str, plan.recorded)))
+    return rows, execute(plan, fmus, rows)  # type: ignore[arg-type]
+
+
+def run(system: System, fmus: Mapping[str, MockFmu], record: tuple[str, ...] = ("*",)) -> Rows:
+    """The rows of a run that reaches its stop time."""
+    rows, outcome = run_to_end(system, fmus, record)
+    if isinstance(outcome.fault, HarnessError):
+        raise outcome.fault
+    return rows
