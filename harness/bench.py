@@ -46,6 +46,7 @@ from harness.system.graph import (
     SignalComponent,
     System,
 )
+from harness.system.policy import Policy
 
 __all__ = ["Bench", "Echo", "Progress"]
 
@@ -114,7 +115,9 @@ class Bench:
             version = 2 if self.portable else self.fmi_version
             path = registry.plant_fmu(text, version, portable=self.portable)
         period = self._period(step, f"step of {name}")
-        self._add(FmuComponent(name, path, period, dict(start_values or {}), tolerance))
+        self._add(
+            FmuComponent(name, path, period, dict(start_values or {}), Policy(tolerance=tolerance))
+        )
 
     def controller(
         self,
@@ -174,7 +177,7 @@ class Bench:
 
     def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
-        `harness.master.program.sensitivity`."""
+        `harness.participants.sensitivity`."""
         output, known = self._endpoint(of), self._endpoint(to)
         if output.component != known.component:
             raise UsageError(f"sensitivity {name}: {of} and {to} belong to different components")

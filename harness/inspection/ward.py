@@ -112,10 +112,10 @@ class Ward:
         its own with all that the FMU starts."""
         where = (str(self.path), str(out), str(self.scratch), self.interface_type)
         command = [sys.executable, "-m", "harness.inspection.examiner", *where, *names]
-        surroundings = os.environ | {"TMPDIR": str(out.parent)}
+        host = os.environ | {"TMPDIR": str(out.parent)}
         with words.open("wb") as file:
             return subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=surroundings,
+                command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=host,
                 start_new_session=True,
             )  # fmt: skip
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.clock import show, to_seconds
-from harness.errors import SimulationError
-from harness.fmi.binding.instance import DISCARD, FATAL, FmuInstance
+from harness.compiler import operations as op
+from harness.compiler.operations import INSTANT, OPERATION, RETURNED
+from harness.errors import HarnessError, SimulationError
+from harness.fmi.binding.instance import DISCARD, FATAL
 from harness.fmi.binding.logger import STATUS_NAMES
 from harness.master.plan.actions import (
     Action,
@@ -23,10 +25,10 @@ from harness.master.plan.actions import (
     Step,
     Write,
 )
-from harness.master.program import operations as op
-from harness.master.program.exchange import encode
+from harness.master.program.exchange import convert, encode
 from harness.master.program.link import Program
-from harness.master.program.operations import INSTANT, OPERATION, RETURNED
+from harness.participants.participant import Participant
+from harness.participants.python import PythonParticipant
 from harness.system.lowering import rate_of
 
 
@@ -34,9 +36,7 @@ class EndRequestedError(SimulationError):
     """An FMU asked for the end of the run before its stop time; no call failed."""
 
 
-def explain(
-    program: Program, instances: Mapping[str, FmuInstance], outcome: int
-) -> SimulationError:
+def explain(program: Program, outcome: int) -> SimulationError:
     """The fault behind `outcome` of the loop; an exception of a Python block is its cause.
 
     What Ctrl-C or `sys.exit` raised inside a Python block is raised again as it is.
@@ -56,14 +56,12 @@ def explain(
     if outcome == op.NOT_FINITE:
         return SimulationError(_not_finite(program, name, when))
     if outcome == op.OUT_OF_RANGE:
-        return SimulationError(_out_of_range(program, instances, when))
-    if name in program.callbacks:
-        fault = program.callbacks[name].fault
-        if fault is not None and not isinstance(fault, Exception):
-            raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
-        return _python_fault(program, name, now, when)
+        return SimulationError(_out_of_range(program, when))
+    mover = program.participants.get(name)
+    if mover is not None and mover.fault is not None:
+        return _own_fault(program, mover, now, when)
     status = int(program.clock[RETURNED])
-    instance = instances[_fmu_of(program, action)]
+    instance = program.fmus[_fmu_of(program, action)].instance
     if status == FATAL:
         instance.mark_dead()
     if status == DISCARD and isinstance(action, Step) and instance.asks_for_the_end():
@@ -126,26 +124,51 @@ def _not_finite(program: Program, name: str, when: str) -> str:
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
 
 
-def _out_of_range(program: Program, instances: Mapping[str, FmuInstance], when: str) -> str:
-    _, kind, first, last, *_ = map(int, program.code[int(program.clock[OPERATION])])
-    room = np.zeros(8, dtype=np.uint8)
-    slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
+def _out_of_range(program: Program, when: str) -> str:
+    row = program.code[int(program.clock[OPERATION])]
+    slot, value = (_converted if row[0] == op.COPY_TYPED else _encoded)(program, row)
     port = next(end for end, place in program.layout.slots.items() if place == slot)
-    type_name = instances[port.component].description.port(port.variable).type
+    fmu = program.fmus.get(port.component)
+    kind = "a 64-bit integer" if fmu is None else fmu.description.port(port.variable).type
     return (
-        f"input {port} of type {type_name} cannot hold {program.v[slot]:.17g} {when}; scale or "
+        f"input {port} of type {kind} cannot hold {value:.17g} {when}; scale or "
         "saturate what is wired to it"
     )
 
 
-def _python_fault(program: Program, name: str, now: int, when: str) -> SimulationError:
-    fault = program.callbacks[name].fault
-    component = program.plan.lowered.component(name)
-    rate = rate_of(component)
+def _encoded(program: Program, row: NDArray[np.int64]) -> tuple[int, float]:
+    """The slot that was not to be encoded, and what it holds."""
+    _, kind, first, last, *_ = map(int, row)
+    room = np.zeros(8, dtype=np.uint8)
+    slot = next(s for s in range(first, last) if not encode(kind, program.v, s, s + 1, room, 0))
+    return slot, float(program.v[slot])
+
+
+def _converted(program: Program, row: NDArray[np.int64]) -> tuple[int, float]:
+    """The slot into which something was not to be converted, and what that was."""
+    v, copies, scales = program.v.copy(), program.copies, program.scales
+    i = next(
+        i for i in range(int(row[1]), int(row[2]))
+        if not convert(copies, scales, v, v.view(np.int64), i, i + 1)
+    )  # fmt: skip
+    source = int(copies[i, 0])
+    whole = copies[i, 2] in (op.FROM_INT64, op.INT64_TO_UINT64)
+    value = float(v.view(np.int64)[source]) if whole else float(v[source])
+    return int(copies[i, 1]), float(scales[i, 0]) * value + float(scales[i, 1])
+
+
+def _own_fault(program: Program, mover: Participant, now: int, when: str) -> SimulationError:
+    """What ended a call of a participant that is not one function of an FMU."""
+    fault = mover.fault
+    if fault is not None and not isinstance(fault, Exception):
+        raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
+    if isinstance(fault, HarnessError) and not isinstance(mover, PythonParticipant):
+        raise fault
+    rate = rate_of(program.plan.lowered.component(mover.name))
     start = program.plan.lowered.system.start_ns
     tick = (now - start - rate.phase_ns) // rate.period_ns
     error = SimulationError(
-        f"controller {name} raised {type(fault).__name__}: {fault} {when} (sample {tick})"
+        f"controller {mover.name} raised {type(fault).__name__}: {fault} {when} (sample {tick})"
     )
     error.__cause__ = fault
     return error

@@ -1,18 +1,15 @@
-"""What a run stands in: memory for its clock and its rows, and who is asked between chunks.
+"""The host of a run: memory for its clock and its rows, and who is asked between chunks.
 
-A run in the caller's process has memory of its own and nobody to ask (`Surroundings`). A
+A run in the caller's process has memory of its own and nobody to ask (`Host`). A
 supervised one has shared memory, takes checkpoints, and may begin in the middle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from harness.fmi.binding.instance import FmuInstance
 
 if TYPE_CHECKING:
     from harness.master.program.link import Program
@@ -23,7 +20,7 @@ Times = NDArray[np.int64]
 Rows = NDArray[np.float64]
 
 
-class Surroundings:
+class Host:
     """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows."""
 
     def __init__(self) -> None:
@@ -51,7 +48,7 @@ class Surroundings:
     def linked(self, program: Program) -> None:
         """The program is there, nothing of it has run."""
 
-    def begin(self, program: Program, instances: Mapping[str, FmuInstance]) -> int:
+    def begin(self, program: Program) -> int:
         """Everything is initialised: the cycle to begin with, after bringing the system there."""
         return 0
 
@@ -66,5 +63,5 @@ class Surroundings:
         """A chunk is done and recorded, `cycle` is next; may raise to end the run."""
 
 
-usual: type[Surroundings] = Surroundings
+usual: type[Host] = Host
 """What a run stands in that is given nothing else."""

@@ -9,7 +9,6 @@ have been handed to the recorder.
 
 from __future__ import annotations
 
-import ctypes
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -20,21 +19,23 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.clock import to_seconds
-from harness.errors import FmuError, GraphError, HarnessError, SimulationError, nearest
-from harness.fmi.binding.instance import FmuInstance
+from harness.compiler import operations as op
+from harness.compiler.operations import CYCLE, INSTANT, ROWS
+from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.description.model_description import NUMERIC_TYPES, ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.instruments.source import named_seed
-from harness.master import host as usual_surroundings
+from harness.master import host as hosts
 from harness.master.faults import EndRequestedError, explain
-from harness.master.host import Surroundings
+from harness.master.host import Host
 from harness.master.plan.planner import Plan, make_plan
-from harness.master.program import operations as op
 from harness.master.program.link import Program, link
 from harness.master.program.loop import run_cycles
-from harness.master.program.operations import CYCLE, ROWS
+from harness.participants.fmu import Around, FmuParticipant
+from harness.participants.kinds import sampled
+from harness.participants.participant import Participant
+from harness.participants.signal import SignalParticipant
 from harness.results.columns import Column
 from harness.system.arrays import expand_arrays
 from harness.system.check import check, inputs_of, outputs_of
@@ -58,11 +59,13 @@ class Recorder(Protocol):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended: at `end_ns`, with `fault` where it did not reach its stop time."""
+    """How a run ended: at `end_ns`, with `fault` where it did not reach its stop time; `notes` say
+    what participants had to derive or leave out."""
 
     end_ns: int
     fault: HarnessError | None
     wall_seconds: float
+    notes: tuple[str, ...] = ()
 
 
 @contextmanager
@@ -73,7 +76,9 @@ def opened(system: System) -> Iterator[dict[str, Fmu]]:
         for component in system.fmus:
             key = str(component.path)
             if key not in by_path:
-                by_path[key] = stack.enter_context(Fmu(component.path))
+                by_path[key] = stack.enter_context(
+                    Fmu(component.path, validate=component.policy.validate)
+                )
         yield {c.name: by_path[str(c.path)] for c in system.fmus}
 
 
@@ -151,86 +156,136 @@ def execute(
     progress: Progress | None = None,
     echo: Callable[[str, LogMessage], None] | None = None,
     logging: bool | None = None,
-    surroundings: Surroundings | None = None,
+    host: Host | None = None,
 ) -> Outcome:
     """Run `plan`; faults of the run itself come back in the outcome, not as exceptions.
 
     FMUs are asked for `logging` where it is true, or None and there is an `echo`.
     """
     began = time.perf_counter()
-    around = surroundings or usual_surroundings.usual()
+    system = plan.lowered.system
     verbose = echo is not None if logging is None else logging
+    around = Around(verbose, echo, system.ticks_per_second)
+    run = _Run(plan, fmus, recorder, host or hosts.usual(), around)
+    fault: HarnessError | None = None
     with ExitStack() as stack:
-        instances: dict[str, FmuInstance] = {}
-        clock = None
-        fault: HarnessError | None = None
         try:
-            for c in plan.lowered.fmus:
-                instances[c.name] = stack.enter_context(_instance(c, fmus[c.name], echo, verbose))
-            program = _initialise(plan, instances, around)
-            clock = program.clock
-            fault = _loop(program, instances, recorder, progress, around)
-            _free_snapshots(program, instances)
-            if fault is None or isinstance(fault, EndRequestedError):
-                for instance in instances.values():
-                    instance.terminate()
+            run.open(stack)
+            run.initialise()
+            fault = run.loop(progress)
         except HarnessError as caught:
-            fault = fault or caught
-    system = plan.lowered.system
-    end = system.start_ns if clock is None else int(clock[1])
-    end = system.stop_ns if fault is None else end
-    return Outcome(end, fault, time.perf_counter() - began)
+            fault = caught
+        if fault is None or isinstance(fault, EndRequestedError):
+            for participant in run.participants.values():
+                participant.terminate()
+    end = system.stop_ns if fault is None else run.reached
+    notes = tuple(note for p in run.participants.values() for note in p.notes)
+    return Outcome(end, fault, time.perf_counter() - began, notes)
 
 
-def _instance(
-    component: FmuComponent,
-    fmu: Fmu,
-    echo: Callable[[str, LogMessage], None] | None,
-    logging: bool,
-) -> FmuInstance:
-    name = component.name
-    if fmu.description.fmi_major == 1:
-        raise FmuError(
-            f"component {name}: its FMU is of FMI 1, and the loop runs FMI 2 and 3; "
-            "`fmu-harness simulate` runs it on its own"
-        )
-    seen = None if echo is None else (lambda message: echo(name, message))
-    return fmu.instantiate(name, logging=logging, echo=seen)
+class _Run:
+    """One run: its participants, its program, and where it has come to."""
 
+    def __init__(
+        self, plan: Plan, fmus: Mapping[str, Fmu], recorder: Recorder, host: Host, around: Around
+    ) -> None:
+        self.plan, self.fmus, self.recorder = plan, fmus, recorder
+        self.host, self.around = host, around
+        self.system = plan.lowered.system
+        self.participants: dict[str, Participant] = {}
+        self.program: Program | None = None
 
-def _initialise(plan: Plan, instances: Mapping[str, FmuInstance], around: Surroundings) -> Program:
-    system = plan.lowered.system
-    start, stop = to_seconds(system.start_ns), to_seconds(system.stop_ns)
-    for component in plan.lowered.fmus:
-        instance = instances[component.name]
-        instance.set(component.start_values)
-        instance.enter_initialization_mode(start, stop, component.tolerance)
-    program = link(plan, instances, around.clock)
-    around.linked(program)
-    for signal in program.signals:
-        first = signal.source.sampler(named_seed(system.seed, signal.name))
-        value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
-        program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
-    around.loop(True)
-    outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
-    around.loop(False)
-    if outcome != op.OK:
-        raise explain(program, instances, outcome)
-    program.clock[:] = 0
-    for delay in plan.lowered.sampled:
-        if isinstance(delay, DelayComponent):
-            held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
-            program.states[delay.name][1:] = held
-    for instance in instances.values():
-        instance.exit_initialization_mode()
-    return program
+    @property
+    def reached(self) -> int:
+        """The instant of the loop (ticks)."""
+        start = self.system.start_ns
+        return start if self.program is None else int(self.program.clock[INSTANT])
 
+    def open(self, stack: ExitStack) -> None:
+        """Make the participants; each is closed with `stack`."""
+        for c in self.plan.lowered.fmus:
+            made = FmuParticipant.of(c, self.fmus[c.name], self.around)
+            stack.callback(made.close)
+            self.participants[c.name] = made
+        for component in self.plan.lowered.sampled:
+            self.participants[component.name] = sampled(component, self._signals)
 
-def _free_snapshots(program: Program, instances: Mapping[str, FmuInstance]) -> None:
-    for name, place in program.snapshots.items():
-        if place[0] and instances[name].alive:
-            instances[name].free_state(ctypes.c_void_p(int(place[0])))
-            place[0] = 0
+    @property
+    def _signals(self) -> int:
+        return sum(isinstance(p, SignalParticipant) for p in self.participants.values())
+
+    def initialise(self) -> None:
+        """Set what is there at the start, pass it on, and end initialisation."""
+        system = self.system
+        start, stop = system.seconds(system.start_ns), system.seconds(system.stop_ns)
+        for participant in self.participants.values():
+            participant.enter_initialization(start, stop)
+        descriptions = {name: fmu.description for name, fmu in self.fmus.items()}
+        program = link(self.plan, self.participants, descriptions, self.host.clock)
+        self.program = program
+        self.host.linked(program)
+        for signal in program.signals:
+            first = signal.source.sampler(named_seed(system.seed, signal.name))
+            value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
+            program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
+        self.host.loop(True)
+        outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
+        self.host.loop(False)
+        if outcome != op.OK:
+            raise explain(program, outcome)
+        program.clock[:] = 0
+        for delay in self.plan.lowered.sampled:
+            if isinstance(delay, DelayComponent):
+                held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
+                program.states[delay.name][1:] = held
+        for participant in self.participants.values():
+            participant.leave_initialization(start)
+
+    def loop(self, progress: Progress | None) -> SimulationError | None:
+        """Run all cycles, chunk by chunk; what ended them early."""
+        assert self.program is not None
+        program, host = self.program, self.host
+        cycle_ns, record_ns = program.plan.cycle_ns, self.system.record_ns
+        n_cycles = (self.system.stop_ns - self.system.start_ns) // cycle_ns + 1
+        rows_per_cycle = cycle_ns // record_ns
+        samples = _Samples(program)
+        most = max(host.chunk_rows(len(program.recorded)), rows_per_cycle)
+        host.most_rows(most, len(program.recorded))
+        chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
+        cycle = host.begin(program)
+        samples.skip(cycle)
+        while cycle < n_cycles:
+            chunk = min(chunk, n_cycles - cycle, host.cycles_until(cycle))
+            samples.fill(cycle, chunk)
+            began = time.perf_counter()
+            outcome = self._chunk(samples, cycle + chunk, chunk * rows_per_cycle)
+            if outcome != op.OK:
+                return explain(program, outcome)
+            cycle = int(program.clock[CYCLE])
+            if progress is not None:
+                progress(min(1.0, cycle / n_cycles))
+            host.between(cycle)
+            if time.perf_counter() - began < _CHUNK_SECONDS:
+                chunk = max(1, min(2 * chunk, most // rows_per_cycle))
+            else:
+                chunk = max(1, chunk // 2)
+        return None
+
+    def _chunk(self, samples: _Samples, until: int, n_rows: int) -> int:
+        """Run to cycle `until`, and hand over the rows."""
+        assert self.program is not None
+        program, host, system = self.program, self.host, self.system
+        program.clock[ROWS] = 0
+        times, rows = host.room(n_rows, len(program.recorded))
+        span = (system.start_ns, system.stop_ns, program.plan.cycle_ns, until)
+        host.loop(True)
+        try:
+            return _call(program, program.instants, samples, span, rows, times)
+        finally:
+            host.loop(False)
+            done = program.clock[ROWS]
+            if done:
+                self.recorder.append(times[:done], rows[:done])
 
 
 class _Samples:
@@ -267,50 +322,6 @@ class _Samples:
             self.values = np.concatenate(parts)
 
 
-def _loop(
-    program: Program,
-    instances: Mapping[str, FmuInstance],
-    recorder: Recorder,
-    progress: Progress | None,
-    around: Surroundings,
-) -> SimulationError | None:
-    system, cycle_ns = program.plan.lowered.system, program.plan.cycle_ns
-    n_cycles = (system.stop_ns - system.start_ns) // cycle_ns + 1
-    rows_per_cycle = cycle_ns // system.record_ns
-    samples = _Samples(program)
-    most = max(around.chunk_rows(len(program.recorded)), rows_per_cycle)
-    around.most_rows(most, len(program.recorded))
-    chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
-    cycle = around.begin(program, instances)
-    samples.skip(cycle)
-    while cycle < n_cycles:
-        chunk = min(chunk, n_cycles - cycle, around.cycles_until(cycle))
-        samples.fill(cycle, chunk)
-        program.clock[ROWS] = 0
-        times, rows = around.room(chunk * rows_per_cycle, len(program.recorded))
-        span = (system.start_ns, system.stop_ns, cycle_ns, cycle + chunk)
-        began = time.perf_counter()
-        around.loop(True)
-        try:
-            outcome = _call(program, program.instants, samples, span, rows, times)
-        finally:
-            around.loop(False)
-            done = program.clock[ROWS]
-            if done:
-                recorder.append(times[:done], rows[:done])
-        if outcome != op.OK:
-            return explain(program, instances, outcome)
-        cycle = int(program.clock[CYCLE])
-        if progress is not None:
-            progress(min(1.0, cycle / n_cycles))
-        around.between(cycle)
-        if time.perf_counter() - began < _CHUNK_SECONDS:
-            chunk = max(1, min(2 * chunk, most // rows_per_cycle))
-        else:
-            chunk = max(1, chunk // 2)
-    return None
-
-
 def _call(
     program: Program,
     instants: NDArray[np.int64],
@@ -322,14 +333,14 @@ def _call(
     outcome: int = run_cycles(
         program.code,
         instants,
-        np.array(span, dtype=np.int64),
+        np.array((*span, program.plan.lowered.system.ticks_per_second), dtype=np.int64),
         program.clock,
         program.v,
         program.copies,
         program.scales,
         samples.values,
         samples.cursors,
-        program.exchange,
+        program.memory.exchange,
         program.recorded,
         np.empty((0, len(program.recorded))) if rows is None else rows,
         np.empty(0, dtype=np.int64) if times is None else times,

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 
 from harness.compiler.step import step_fingerprint
 from harness.errors import RecordingError
-from harness.fmi.binding.instance import FmuInstance
 from harness.master.plan.planner import Plan
 from harness.master.program.link import Program
 from harness.results.manifest import software_versions
@@ -84,24 +83,23 @@ def _numbered(kind: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArra
 
 def take(
     program: Program,
-    instances: Mapping[str, FmuInstance],
     cycle: int,
     rows: int,
     now_ns: int,
     made_of: Mapping[str, str],
 ) -> Snapshot:
     """The state of a run before `cycle`; raises `FmuError` where an FMU refuses."""
-    fmus = {name: instance.serialized_state() for name, instance in instances.items()}
-    arrays = program.v, program.exchange, _memories(program)
+    fmus = {name: fmu.instance.serialized_state() for name, fmu in program.fmus.items()}
+    arrays = program.v, program.memory.exchange, _memories(program)
     return Snapshot(cycle, rows, now_ns, *arrays, fmus, made_of)
 
 
-def restore(program: Program, instances: Mapping[str, FmuInstance], snapshot: Snapshot) -> None:
+def restore(program: Program, snapshot: Snapshot) -> None:
     """Bring an initialised run to where `snapshot` was taken."""
     for name, content in snapshot.fmus.items():
-        instances[name].restore_state(content)
+        program.fmus[name].instance.restore_state(content)
     program.v[:] = snapshot.v
-    program.exchange[:] = snapshot.exchange
+    program.memory.exchange[:] = snapshot.exchange
     memories = _memories(program)
     for name, state in snapshot.blocks.items():
         memories[name][:] = state
@@ -142,7 +140,7 @@ def made_of(plan: Plan, fmu_hashes: Mapping[str, str]) -> dict[str, str]:
 
 def _content(component: Component) -> bytes:
     if isinstance(component, FmuComponent):
-        kept = component.name, component.step_ns, component.start_values, component.tolerance
+        kept = component.name, component.step_ns, component.start_values, component.policy
         return repr(kept).encode()
     if isinstance(component, BlockComponent):
         block = component.block

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from harness.master import host as surroundings
+from harness.master import host as hosts
 from harness.master.faults import call_name
-from harness.master.host import Surroundings
+from harness.master.host import Host
 from harness.master.program.link import Program
 from harness.process.marker import Marker
 from harness.process.messages import Linked
@@ -33,7 +33,7 @@ def show_loops(marker: Marker, send: Callable[[Linked], None]) -> None:
     """From now on the loops of this process keep their clock in `marker`, and `send` is told what
     their operations are."""
 
-    class Shown(Surroundings):
+    class Shown(Host):
         """A run that is seen and otherwise on its own."""
 
         def __init__(self) -> None:
@@ -48,4 +48,4 @@ def show_loops(marker: Marker, send: Callable[[Linked], None]) -> None:
             """Mark that the loop runs."""
             marker.looping(inside)
 
-    surroundings.usual = Shown
+    hosts.usual = Shown

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.master.program.operations import CYCLE, INSTANT, OPERATION, ROWS
+from harness.compiler.operations import CYCLE, INSTANT, OPERATION, ROWS
 
 CLOCK_SIZE = 8
 _SEQUENCE, _PLACE, _CHUNK, _STOP, _LOGGED, _TIME = range(CLOCK_SIZE, CLOCK_SIZE + 6)

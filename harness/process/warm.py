@@ -12,9 +12,9 @@ from functools import cache
 import numpy as np
 
 from harness.clock import to_seconds
+from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.errors import HarnessError
-from harness.master.program import operations as op
 from harness.master.program.loop import run_cycles
 from harness.system.graph import BlockComponent, System
 
@@ -38,10 +38,10 @@ def _load_loop() -> None:
     run_cycles(
         np.zeros((0, op.WIDTH), dtype=np.int64),
         np.zeros((0, 3), dtype=np.int64),
-        np.zeros(4, dtype=np.int64),
+        np.zeros(5, dtype=np.int64),
         np.zeros(5, dtype=np.int64),
         real,
-        np.zeros((0, 2), dtype=np.int64),
+        np.zeros((0, 3), dtype=np.int64),
         np.zeros((0, 2)),
         real,
         whole,

@@ -15,8 +15,8 @@ import time
 from dataclasses import dataclass, field
 
 from harness.fmi.binding import mark
-from harness.master import host as surroundings
-from harness.master.host import Surroundings
+from harness.master import host as hosts
+from harness.master.host import Host
 from harness.process.fork import already_isolated, memory_of
 from harness.process.limits import Limits
 
@@ -28,7 +28,7 @@ class _Place:
 
     calls: int = 0
     in_call: bool = False
-    loop: Surroundings | None = None
+    loop: Host | None = None
     began: float = 0.0
     limits: Limits = field(default_factory=Limits)
 
@@ -43,7 +43,7 @@ class _Place:
 _place = _Place()
 
 
-class _Seen(Surroundings):
+class _Seen(Host):
     """A run whose loop the watchdog sees."""
 
     def __init__(self) -> None:
@@ -65,7 +65,7 @@ def watch_over_runs() -> None:
     """From now on this process ends itself where a run exceeds what `allow` has said last."""
     already_isolated()
     mark.watch(_calling)
-    surroundings.usual = _Seen
+    hosts.usual = _Seen
     threading.Thread(target=_watch, daemon=True).start()
 
 

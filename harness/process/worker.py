@@ -17,17 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.compiler.operations import CYCLE, INSTANT
 from harness.errors import ExperimentError, FmuError
 from harness.fmi.binding import mark
-from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.fmi.wording import shorten
-from harness.master.host import Rows, Surroundings, Times
+from harness.master.host import Host, Rows, Times
 from harness.master.plan.planner import Plan
 from harness.master.prepared import check_needed
 from harness.master.program.link import Program
-from harness.master.program.operations import CYCLE, INSTANT
 from harness.master.run import columns_of, execute, opened, plan_system
 from harness.process.checkpoint import differences, made_of, restore, take, why_not
 from harness.process.loops import linked_program
@@ -75,15 +74,13 @@ def _run(job: Job, around: _Watched) -> Ended:
         reason = around.plan(plan, fmus)
         around.tell(Planned(columns, records, files, reason))
         around.hear()
-        outcome = execute(
-            plan, fmus, around, echo=around.heard, logging=job.logging, surroundings=around
-        )
+        outcome = execute(plan, fmus, around, echo=around.heard, logging=job.logging, host=around)
     if outcome.fault is None:
         return Ended(outcome)
     return Ended(replace(outcome, fault=None), packed(outcome.fault))
 
 
-class _Watched(Surroundings):
+class _Watched(Host):
     """A run whose clock and rows the supervisor sees."""
 
     def __init__(self, job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
@@ -98,7 +95,7 @@ class _Watched(Surroundings):
         self._telling = Lock()
         self._recorded = 0
         self._made_of: dict[str, str] | None = None  # None: no checkpoints
-        self._live: tuple[Program, Mapping[str, FmuInstance]] | None = None
+        self._live: Program | None = None
         self._saved = time.monotonic()
         self._apart = 0  # cycles between checkpoints; 0: any number
 
@@ -163,15 +160,15 @@ class _Watched(Surroundings):
         """Tell what each operation of the program is."""
         self.tell(linked_program(program))
 
-    def begin(self, program: Program, instances: Mapping[str, FmuInstance]) -> int:
+    def begin(self, program: Program) -> int:
         """The first cycle, or that after the checkpoint."""
-        self._live = program, instances
+        self._live = program
         self._saved = time.monotonic()
         self._apart = _cycles_apart(self._job.every_ns, program.plan.cycle_ns)
         snapshot = self._job.resumed
         if snapshot is None:
             return 0
-        restore(program, instances, snapshot)
+        restore(program, snapshot)
         self._recorded = snapshot.rows
         self.clock[CYCLE], self.clock[INSTANT] = snapshot.cycle, snapshot.now_ns
         return snapshot.cycle
@@ -198,7 +195,7 @@ class _Watched(Surroundings):
         assert self._live is not None and self._made_of is not None
         now = int(self.clock[INSTANT])
         try:
-            snapshot = take(*self._live, cycle, self._recorded, now, self._made_of)
+            snapshot = take(self._live, cycle, self._recorded, now, self._made_of)
         except FmuError:  # it promised what it cannot do; the run itself goes on
             self._made_of = None
             return

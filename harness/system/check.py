@@ -118,7 +118,7 @@ def _convergence_faults(convergence: Convergence) -> Iterator[str]:
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     if d.co_simulation is None:
         yield f"component {component.name}: FMU {component.path} offers no co-simulation"
-    tolerance = component.tolerance
+    tolerance = component.policy.tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
     yield from start_value_faults(component.name, component.start_values, d)

@@ -12,21 +12,23 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from harness.clock import NANOSECONDS
 from harness.instruments.imperfections import Imperfection
 from harness.instruments.source import SignalSource
 from harness.system.block import Block, BlockSignal, Port
+from harness.system.policy import Policy
 
 
 @dataclass(frozen=True)
 class FmuComponent:
     """An FMU instance: `step_ns` is its communication step, `start_values` are set before
-    initialisation, `tolerance` is offered to its solver."""
+    initialisation, `policy` says how it is run."""
 
     name: str
     path: Path
     step_ns: int
     start_values: Mapping[str, Any] = field(default_factory=dict)
-    tolerance: float | None = None
+    policy: Policy = field(default_factory=Policy)
 
 
 @dataclass(frozen=True)
@@ -146,7 +148,8 @@ class System:
     `components`) or "iterative" (FMUs that drive each other repeat a step until it agrees with
     what they reach). `algebraic_loops` says whether loops of direct feedthrough are an error
     ("refuse") or solved ("solve"); the iterative algorithm always solves them. `convergence` is
-    that of both. A row is recorded every `record_ns`.
+    that of both. A row is recorded every `record_ns`. All times are whole ticks: nanoseconds, or
+    parts of them where an FMU's own step is no whole number of nanoseconds.
     """
 
     components: tuple[Component, ...]
@@ -158,6 +161,11 @@ class System:
     seed: int = 0
     algebraic_loops: str = "refuse"
     convergence: Convergence = Convergence()
+    ticks_per_second: int = NANOSECONDS
+
+    def seconds(self, ticks: int) -> float:
+        """The double nearest to an instant, in seconds."""
+        return ticks / self.ticks_per_second
 
     @property
     def solves_loops(self) -> bool:

@@ -8,9 +8,10 @@ from typing import Literal
 from harness.errors import FmuError
 from harness.fmi.description.model_description import Capabilities, ModelDescription
 
-InterfaceType = Literal["co-simulation", "model-exchange"]
+InterfaceType = Literal["co-simulation", "model-exchange", "scheduled-execution"]
 CO_SIMULATION: InterfaceType = "co-simulation"
 MODEL_EXCHANGE: InterfaceType = "model-exchange"
+SCHEDULED_EXECUTION: InterfaceType = "scheduled-execution"
 
 
 @dataclass(frozen=True)

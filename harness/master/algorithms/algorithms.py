@@ -43,10 +43,10 @@ from harness.master.plan.actions import (
     Step,
     Transfer,
     UnlessStop,
-    View,
     Write,
 )
 from harness.master.plan.order import feeding_inputs
+from harness.participants.memory import View
 from harness.system.graph import Endpoint
 from harness.system.lowering import LoweredSystem, Wire
 

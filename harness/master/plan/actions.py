@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
 
+from harness.participants.memory import View
 from harness.system.lowering import Wire
-
-View = Literal["present", "applied", "reached", "previous"]
-"""Which values of an FMU's outputs: those read at the present instant, those after the inputs of
-this instant have been applied (where outputs depend on them directly), those at the end of the
-step, or those of the instant before. Each is held until it is read again."""
 
 
 @dataclass(frozen=True)

@@ -35,12 +35,12 @@ from harness.master.plan.actions import (
     Record,
     Sample,
     Transfer,
-    View,
     Write,
 )
 from harness.master.plan.calendar import Calendar, Event, Role
 from harness.master.plan.order import Feeding, Stage, coupling_stages, feeding_inputs
 from harness.master.plan.rates import Rates
+from harness.participants.memory import View
 from harness.system.graph import (
     Component,
     Endpoint,
@@ -69,6 +69,11 @@ class Plan:
     read: tuple[Endpoint, ...]
     written: tuple[Endpoint, ...]
     recorded: tuple[Endpoint, ...]
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """All actions of the initialisation and of the distinct instants."""
+        return (*self.initial, *(action for actions in self.patterns for action in actions))
 
     @property
     def patterns(self) -> tuple[tuple[Action, ...], ...]:

@@ -1,6 +1,7 @@
 """Float64 slots to and from the integers, booleans and floats of an FMU's C interface.
 
-Signals are float64 inside the harness: whole numbers up to 2^53 are exact. Rounding is to the
+Reals, booleans and integers up to 32 bits are float64 inside the harness, 64-bit integers are
+themselves. Rounding is to the
 nearest, ties to even; a boolean is whatever is not zero. A number outside the range of its C type
 is refused: it would come out as another one. C numbers lie in the buffer byte by byte, lowest
 first, as on every machine served here; a view of the buffer as an array of another type would
@@ -14,8 +15,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from harness.compiler import operations as op
 from harness.compiler.machine_code import cached
-from harness.master.program import operations as op
 
 _SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
 _LOWEST = (
@@ -80,3 +81,49 @@ def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) 
             v[slot] = float((bits << unused) >> unused)
         else:
             v[slot] = float(bits)
+
+
+@cached
+@njit(nogil=True)  # type: ignore[untyped-decorator]
+def convert(copies: Any, scales: Any, v: Any, wide: Any, first: int, last: int) -> bool:
+    """Copy entries first..last-1 of the table, each by its conversion; `wide` are the cells of `v`
+    as int64. False where a number does not fit: it is the first whose target was left alone."""
+    for i in range(first, last):
+        source, target, how = copies[i, 0], copies[i, 1], copies[i, 2]
+        factor, offset = scales[i, 0], scales[i, 1]
+        plain = factor == 1.0 and offset == 0.0
+        bits = wide[source]
+        if how == op.EXACT and plain:
+            wide[target] = bits
+            continue
+        if (how == op.INT64_TO_UINT64 or how == op.UINT64_TO_INT64) and plain:
+            if bits < 0:
+                return False
+            wide[target] = bits
+            continue
+        value = v[source]
+        if how == op.FROM_INT64 or how == op.INT64_TO_UINT64:
+            value = float(bits)
+        elif how == op.FROM_UINT64 or how == op.UINT64_TO_INT64:
+            value = float(np.uint64(bits))
+        value = factor * value + offset
+        if how == op.ROUND:
+            whole = np.rint(value)
+            v[target] = whole if whole != 0.0 else 0.0  # of integers there is one zero
+        elif how == op.TRUTH:
+            v[target] = 1.0 if value != 0.0 else 0.0
+        elif how == op.SINGLE:
+            v[target] = float(np.float32(value))
+        elif how == op.TO_INT64 or how == op.UINT64_TO_INT64:
+            value = np.rint(value)
+            if not -(2.0**63) <= value < 2.0**63:
+                return False
+            wide[target] = np.int64(value)
+        elif how == op.TO_UINT64 or how == op.INT64_TO_UINT64:
+            value = np.rint(value)
+            if not 0.0 <= value < 2.0**64:
+                return False
+            wide[target] = np.int64(np.uint64(value))
+        else:
+            v[target] = value
+    return True

@@ -1,4 +1,4 @@
-"""The memory and the operations of a repetition, and of the snapshots that it returns to.
+"""The memory and the operations of a repetition.
 
 The slots of a repetition: its state, the values assumed for the targets of its wires, and those
 that the wires have brought; the solver (`fixed_point`) makes the next assumption of both.
@@ -7,26 +7,26 @@ that the wires have brought; the solver (`fixed_point`) makes the next assumptio
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.compiler import operations as op
 from harness.compiler.step import compile_step
-from harness.fmi.binding.instance import FmuInstance
-from harness.fmi.description.model_description import REAL_TYPES
+from harness.fmi.description.model_description import REAL_TYPES, ModelDescription
 from harness.master.algorithms.fixed_point import fixed_point_block
 from harness.master.plan.actions import Iterate
-from harness.master.program import operations as op
 from harness.system.graph import System
 from harness.system.lowering import Wire
+
+Descriptions = Mapping[str, ModelDescription]
 
 
 class Iteration:
     """A repetition, whose slots are [first, last): state, `assumed` values, `found` values."""
 
     def __init__(
-        self, action: Iterate, system: System, instances: Mapping[str, FmuInstance], first: int
+        self, action: Iterate, system: System, descriptions: Descriptions, first: int
     ) -> None:
         """`first` is the first free slot."""
         n = len(action.wires)
@@ -34,7 +34,7 @@ class Iteration:
         self.assumed = range(first + 1, first + 1 + n)
         self.found = range(first + 1 + n, self.last)
         self.convergence = system.convergence
-        self.nominal = [_nominal(wire, instances) for wire in action.wires]
+        self.nominal = [_nominal(wire, descriptions) for wire in action.wires]
         block = fixed_point_block(
             self.nominal, system.convergence.tolerance, system.convergence.max_iterations
         )
@@ -54,16 +54,9 @@ class Iteration:
         return np.asarray(np.abs(found - assumed) / np.where(size > 0.0, size, 1.0))
 
 
-def snapshot(instance: FmuInstance, place: NDArray[np.int64], *, save: bool) -> list[int]:
-    """Save the state of an FMU, its pointer into `place` (1,), or restore it from there."""
-    name = "FMUState" if instance.prefix == "fmi3" else "FMUstate"
-    head: list[Any] = [instance.address(f"{'Get' if save else 'Set'}{name}"), instance.handle or 0]
-    return [op.CALL_2 if save else op.CALL_2_AT, *head, place.ctypes.data]
-
-
-def _nominal(wire: Wire, instances: Mapping[str, FmuInstance]) -> float:
+def _nominal(wire: Wire, descriptions: Descriptions) -> float:
     """The size of a signal at its target; 0 where either end is discrete."""
-    ends = [instances[e.component].description.port(e.variable)
+    ends = [descriptions[e.component].port(e.variable)
             for e in (wire.source, wire.target)]  # fmt: skip
     if any(variable.type not in REAL_TYPES for variable in ends):
         return 0.0

@@ -1,7 +1,8 @@
-"""Where everything lies in memory: one float64 slot for every port that a plan touches.
+"""Where everything lies in memory: one slot for every port that a plan touches, and what it holds.
 
 The ports of a component that are handed over in one call lie side by side: the inputs and the
-outputs of a block, and the inputs or outputs of an FMU that have the same C type.
+outputs of a block, and the inputs or outputs of an FMU that have the same C type. Ports of plain
+Python hold what they are wired to.
 """
 
 from __future__ import annotations
@@ -9,53 +10,34 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from harness.fmi.description.model_description import ModelDescription, Variable
-from harness.master.plan.actions import Keep, Read, View, flat
+from harness.fmi.description.model_description import ModelDescription
+from harness.master.plan.actions import Keep, Read, flat
 from harness.master.plan.planner import Plan
-from harness.master.program import operations as op
-from harness.system.graph import Endpoint
+from harness.participants.access import access, elements
+from harness.participants.memory import Cell, View, cell_of
+from harness.system.graph import Endpoint, PythonComponent
+from harness.system.lowering import LoweredSystem
 
-FLOAT64 = -1
-"""The kind of a number that needs no encoding."""
-
-_FMI2_KINDS = {
-    "Real": ("Real", FLOAT64),
-    "Integer": ("Integer", op.INT32),
-    "Enumeration": ("Integer", op.INT32),
-    "Boolean": ("Boolean", op.BOOL32),
-}
-_FMI3_KINDS = {
-    "Float64": ("Float64", FLOAT64),
-    "Float32": ("Float32", op.FLOAT32),
-    "Int8": ("Int8", op.INT8),
-    "UInt8": ("UInt8", op.UINT8),
-    "Int16": ("Int16", op.INT16),
-    "UInt16": ("UInt16", op.UINT16),
-    "Int32": ("Int32", op.INT32),
-    "UInt32": ("UInt32", op.UINT32),
-    "Int64": ("Int64", op.INT64),
-    "UInt64": ("UInt64", op.UINT64),
-    "Enumeration": ("Int64", op.INT64),
-    "Boolean": ("Boolean", op.BOOL8),
-}
-
-
-def access(variable: Variable, fmi_major: int) -> tuple[str, int]:
-    """Suffix of the get and set functions of a variable, and the kind of its C type."""
-    return (_FMI2_KINDS if fmi_major == 2 else _FMI3_KINDS)[variable.type]
+Descriptions = Mapping[str, ModelDescription]
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Slots by port: those of the present, and those of FMU outputs in another view."""
+    """Slots by port: those of the present, and those of FMU outputs in another view; what they
+    hold, where that is no real number."""
 
     slots: Mapping[Endpoint, int]
     views: Mapping[tuple[View, Endpoint], int]
+    cells: Mapping[Endpoint, Cell]
     size: int
 
     def slot(self, end: Endpoint, view: View = "present") -> int:
         """The slot of a port in a view, of its present value where it has none in that view."""
         return self.views.get((view, end), self.slots[end])
+
+    def cell(self, end: Endpoint) -> Cell:
+        """What the slots of a port hold."""
+        return self.cells.get(end, "real")
 
     def places(self) -> Iterator[tuple[Endpoint, int]]:
         """All slots with their ports."""
@@ -63,24 +45,45 @@ class Layout:
         yield from ((end, place) for (_, end), place in self.views.items())
 
 
-def whole(ends: Iterable[Endpoint], descriptions: Mapping[str, ModelDescription]) -> list[Endpoint]:
+def whole(ends: Iterable[Endpoint], descriptions: Descriptions) -> list[Endpoint]:
     """The ports of FMUs, with all elements of an array for any of them, each once, in order."""
     return list(
         dict.fromkeys(
-            Endpoint(end.component, name)
+            one
             for end in ends
-            for name in descriptions[end.component].whole(end.variable)
+            for one in elements(descriptions[end.component], end.component, [end.variable])
         )
     )
 
 
-def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Layout:
+def cells_of(lowered: LoweredSystem, descriptions: Descriptions) -> dict[Endpoint, Cell]:
+    """What the slots of FMUs' ports hold, and those of plain Python by their wires; reals are not
+    listed."""
+    python = {c.name for c in lowered.components if isinstance(c, PythonComponent)}
+    found: dict[Endpoint, Cell] = {}
+
+    def of(end: Endpoint) -> Cell:
+        d = descriptions.get(end.component)
+        return found.get(end, "real") if d is None else cell_of(d.port(end.variable), d.fmi_major)
+
+    wires = lowered.wires
+    for wire in wires:  # outputs of plain Python first: one may feed another one
+        if wire.source.component in python and wire.target.component in descriptions:
+            found.setdefault(wire.source, of(wire.target))
+    for wire in wires:
+        if wire.target.component in python:
+            found[wire.target] = of(wire.source)
+    return {end: cell for end, cell in found.items() if cell != "real"}
+
+
+def make_layout(plan: Plan, descriptions: Descriptions) -> Layout:
     """Give a slot to every port that `plan` touches."""
 
     def grouped(ends: Iterable[Endpoint]) -> list[Endpoint]:
-        def key(end: Endpoint) -> tuple[str, str]:
+        def key(end: Endpoint) -> tuple[str, str, bool]:
             d = descriptions[end.component]
-            return end.component, access(d.port(end.variable), d.fmi_major)[0]
+            port = d.port(end.variable)
+            return end.component, access(port, d.fmi_major)[0], port.details.negated
 
         return sorted(whole(ends, descriptions), key=key)
 
@@ -93,7 +96,7 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
                 slots[Endpoint(component.name, signal.name)] = len(slots)
     rank = {end: i for i, end in enumerate(slots)}
     others: set[tuple[View, Endpoint]] = set()
-    for action in flat([*plan.initial, *(a for actions in plan.patterns for a in actions)]):
+    for action in flat(plan.actions):
         if isinstance(action, (Keep, Read)):
             view = action.view if isinstance(action, Read) else "previous"
             others |= {(view, Endpoint(action.component, name)) for name in action.outputs}
@@ -105,4 +108,10 @@ def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Lay
     }
     ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
     views = {other: len(slots) + i for i, other in enumerate(ordered)}
-    return Layout(slots, views, len(slots) + len(views))
+    cells = cells_of(plan.lowered, descriptions)
+    for end in slots:
+        d = descriptions.get(end.component)
+        cell = "real" if d is None else cell_of(d.port(end.variable), d.fmi_major)
+        if cell != "real":
+            cells[end] = cell
+    return Layout(slots, views, cells, len(slots) + len(views))

@@ -13,15 +13,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 from numba import njit
 
+from harness.compiler import operations as op
 from harness.compiler.calls import call_status, load_int64
 from harness.compiler.machine_code import cached
-from harness.master.program import operations as op
-from harness.master.program.exchange import decode, encode
-from harness.master.program.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
+from harness.compiler.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
+from harness.master.program.exchange import convert, decode, encode
 
-_NANO = 1e9
 _WARNING = 1  # the highest FMI status with which a run goes on
 
 
@@ -35,15 +35,18 @@ def run_cycles(
 
     program    int64 (n_operations, WIDTH), in order of execution
     instants   int64 (n_instants, 3): offset in the cycle in ns, first and last operation
-    span       int64 (4,): start ns, stop ns, cycle ns, number of the cycle to stop before
+    span       int64 (5,): start, stop, length of a cycle, number of the cycle to stop before, and
+               ticks in a second: a tick, the unit of all times, is a nanosecond or a part of it
     clock      int64 (5,): see `CYCLE` and its fellows; on a fault it names the operation
     v          float64 (n_slots,): every signal of the system
-    copies     int64 (n_copies, 2): source, destination slot; scales (n_copies, 2): factor, offset
+    copies     int64 (n_copies, 3): source and destination slot, conversion; scales (n_copies, 2):
+               factor, offset
     samples    float64, prepared samples of all signals; cursors int64 (n_signals,): next of each
     exchange   uint8, where C integers are encoded and decoded
     recorded   int64 (n_columns,): slots of a row; rows float64 (n_rows, n_columns), row_times int64
     """
     start, stop, cycle_ns, last_cycle = span[0], span[1], span[2], span[3]
+    ticks, wide = float(span[4]), v.view(np.int64)
     while clock[CYCLE] < last_cycle:
         for instant in range(instants.shape[0]):
             now = start + clock[CYCLE] * cycle_ns + instants[instant, 0]
@@ -69,7 +72,7 @@ def run_cycles(
                     status = call_status(a, (b, c, d, e, f))
                 elif code == op.STEP_FMI3:
                     if now + c <= stop:
-                        t, h = now / _NANO, c / _NANO
+                        t, h = now / ticks, c / ticks
                         final = program[o, 7]
                         status = call_status(a, (b, t, h, final, d, d + 1, d + 2, e))
                         if status <= _WARNING and exchange[f + 2] != 0:
@@ -78,7 +81,7 @@ def run_cycles(
                             return op.TERMINATED
                 elif code == op.STEP_FMI2:
                     if now + c <= stop:
-                        status = call_status(a, (b, now / _NANO, c / _NANO, d))
+                        status = call_status(a, (b, now / ticks, c / ticks, d))
                 elif code == op.CHECK:
                     for slot in range(a, b):
                         if not math.isfinite(v[slot]):
@@ -107,6 +110,17 @@ def run_cycles(
                     if v[a] != 0.0:
                         o -= b
                         continue
+                elif code == op.COPY_TYPED:
+                    if not convert(copies, scales, v, wide, a, b):
+                        return op.OUT_OF_RANGE
+                elif code == op.STEP_CALL:
+                    if now + c <= stop:
+                        status = call_status(a, (b, now / ticks, (now + c) / ticks))
+                        if status >= op.ASKED:
+                            return int(status - op.ASKED)
+                elif code == op.SKIP:
+                    if load_int64(a) == 0:
+                        o += b
                 elif code == op.UNLESS_STOP:
                     if now >= stop:
                         break

@@ -12,7 +12,7 @@ import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
-from typing import Any, Self
+from typing import Any
 
 from harness.fmi.binding.logger import LogMessage, MessageLog
 from harness.fmi.description.model_description import (
@@ -268,10 +268,7 @@ class MockInstance:
     def terminate(self) -> None:
         self._status("Terminate")
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def free(self) -> None:
         if not self.dead:
             self._status("Free")
 
@@ -299,6 +296,8 @@ class MockFmu:
         self.hook: Callable[[MockInstance, str], None] = lambda instance, name: None
         self.flags: Callable[[float], tuple[int, int, int]] = lambda time: (0, 0, 0)
 
-    def instantiate(self, name: str, *, logging: bool = False, echo: Any = None) -> MockInstance:
+    def instantiate(
+        self, name: str, *, logging: bool = False, echo: Any = None, **_: Any
+    ) -> MockInstance:
         self.instances.append(MockInstance(self, name, echo))
         return self.instances[-1]

@@ -8,12 +8,17 @@ import math
 import struct
 from typing import Any
 
-from harness.master.program import operations as op
+from harness.compiler import operations as op
 
 FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16: "H",
            op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
            op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
 ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9}
+SIDES = {op.EXACT: ("d", "d"), op.FROM_INT64: ("q", "d"), op.FROM_UINT64: ("Q", "d"),
+         op.TO_INT64: ("d", "q"), op.TO_UINT64: ("d", "Q"), op.INT64_TO_UINT64: ("q", "Q"),
+         op.UINT64_TO_INT64: ("Q", "q"), op.ROUND: ("d", "d"), op.TRUTH: ("d", "d"),
+         op.SINGLE: ("d", "d")}  # fmt: skip
+"""What lies in the source and in the target of a conversion, as formats of `struct`."""
 
 
 def call(address: int, *arguments: Any) -> int:
@@ -30,7 +35,7 @@ class Executor:
         self.recorded, self.rows, self.times = recorded, rows, times
 
     def run(self, program: Any, instants: Any, span: Any) -> int:
-        start, stop, cycle_ns, last = (int(x) for x in span)
+        start, stop, cycle_ns, last, _ = (int(x) for x in span)
         while self.clock[0] < last:
             for offset, first, end in instants.tolist():
                 now = start + int(self.clock[0]) * cycle_ns + offset
@@ -56,11 +61,13 @@ class Executor:
     def execute(self, now: int, stop: int, row: list[int]) -> int:
         code, *o = row
         if code == op.COPY:
-            for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
                 self.v[target] = float(factor) * float(self.v[source]) + float(offset)
         elif code == op.ADD:
-            for (source, target), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
                 self.v[target] += float(factor) * float(self.v[source]) + float(offset)
+        elif code == op.COPY_TYPED:
+            return self.copy_typed(o[0], o[1])
         elif code == op.REPEAT:
             return op.NOT_CONVERGED if math.isnan(self.v[o[0]]) else op.OK
         elif code == op.CALL_2_AT:
@@ -81,6 +88,32 @@ class Executor:
             self.clock[2] += 1
         elif code in (op.ENCODE, op.DECODE):
             return self.convert(code, *o[:4])
+        return op.OK
+
+    def copy_typed(self, first: int, last: int) -> int:
+        for (source, target, how), (factor, offset) in self.wires[first:last]:
+            given, taken = SIDES[int(how)]
+            cell = self.v[source : source + 1].tobytes()
+            value = struct.unpack(f"<{given}", cell)[0]
+            if "d" in (given, taken) or (factor, offset) != (1.0, 0.0):
+                value = float(factor) * float(value) + float(offset)
+            if how == op.EXACT:
+                value = struct.unpack("<d", cell)[0]
+            if how in (op.ROUND, op.TRUTH, op.SINGLE):
+                value = {
+                    op.ROUND: lambda x: float(round(x)) if math.isfinite(x) else x,
+                    op.TRUTH: lambda x: float(x != 0.0),
+                    op.SINGLE: lambda x: ctypes.c_float(x).value,
+                }[int(how)](value)
+            elif taken != "d":
+                if not math.isfinite(value):
+                    return op.OUT_OF_RANGE
+                value = round(value)
+            try:
+                packed = struct.pack(f"<{taken}", value)
+            except struct.error:
+                return op.OUT_OF_RANGE
+            self.v[target : target + 1] = struct.unpack("<d", packed)
         return op.OK
 
     def step(self, now: int, stop: int, code: int, o: list[int]) -> int:

@@ -148,8 +148,8 @@ class Simulation:
         return factor * self.value[source] + offset
 
     def apply(self, target: Endpoint, value: float) -> None:
-        self.input[target] = value
         self.models[target.component].set(target.variable, value)
+        self.input[target] = self.models[target.component].values[target.variable]
 
     def compute(self, c: Any, now: int, done: set[str]) -> None:
         """A block that is due, after those that it reads from."""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.errors import HarnessError
+from harness.master.program.layout import make_layout
 from harness.master.run import Outcome, execute, plan_system
 from harness.system.graph import System
 from tests.harness.master.mock import MockFmu
@@ -13,12 +14,16 @@ from tests.harness.master.mock import MockFmu
 class Rows:
     """A recorder: times (n,) in ns and rows (n, columns)."""
 
-    def __init__(self, columns: tuple[str, ...]) -> None:
-        self.columns = columns
+    def __init__(self, columns: tuple[str, ...], cells: tuple[str, ...] = ()) -> None:
+        self.columns, self.cells = columns, cells
         self.chunks: list[tuple[np.ndarray, np.ndarray]] = []
 
     def append(self, times: np.ndarray, rows: np.ndarray) -> None:
-        self.chunks.append((times.copy(), rows.copy()))
+        kept = rows.copy()
+        for i, cell in enumerate(self.cells):
+            if cell in ("int64", "uint64"):
+                kept[:, i] = np.ascontiguousarray(rows[:, i]).view(cell)
+        self.chunks.append((times.copy(), kept))
 
     @property
     def times(self) -> np.ndarray:
@@ -37,7 +42,9 @@ def run_to_end(
 ) -> tuple[Rows, Outcome]:
     """All that a run gives, whatever ends it."""
     plan = plan_system(system, fmus, record)  # type: ignore[arg-type]
-    rows = Rows(tuple(map(str, plan.recorded)))
+    layout = make_layout(plan, {name: fmu.description for name, fmu in fmus.items()})
+    cells = tuple(layout.cell(end) for end in plan.recorded)
+    rows = Rows(tuple(map(str, plan.recorded)), cells)
     return rows, execute(plan, fmus, rows)  # type: ignore[arg-type]
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from harness.master.program import operations as op
+from harness.compiler import operations as op
 from harness.master.program.exchange import decode, encode
 
 DTYPES = {op.INT8: np.int8, op.UINT8: np.uint8, op.INT16: np.int16, op.UINT16: np.uint16,

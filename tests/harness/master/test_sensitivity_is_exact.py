@@ -14,7 +14,7 @@ from harness import registry
 from harness.bench import Bench
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.fmu import Fmu
-from harness.master.program.sensitivity import sampled_sensitivity
+from harness.participants.sensitivity import sampled_sensitivity
 
 
 def kernel(jacobian: np.ndarray, nominal: np.ndarray, h: float) -> float:

@@ -50,6 +50,15 @@ REPEAT = 15
 """slot, rows: go back by that many rows while v[slot] is not zero; the run ends where it is NaN"""
 UNLESS_STOP = 16
 """no operands: at the stop time the instant ends here"""
+COPY_TYPED = 17
+"""first, last: as COPY, each by its conversion (third column of copies); the run ends where a
+number does not fit"""
+STEP_CALL = 18
+"""address, context, step in ticks, first slot, last slot: status = (*address)(context, time, end of
+the step), both times in s, for what no single function of an FMU does; statuses from `ASKED` on
+are outcomes"""
+SKIP = 19
+"""place, rows: leave out that many rows where the int64 at address `place` is 0"""
 
 OK = 0
 STATUS = 1
@@ -64,6 +73,16 @@ OUT_OF_RANGE = 5
 """a number does not fit into the C type of the input that it is written to"""
 NOT_CONVERGED = 6
 """a repetition came to no end"""
+
+ASKED = 64
+"""What a called participant adds to an outcome, to tell it from a status of FMI."""
+
+(
+    EXACT, FROM_INT64, FROM_UINT64, TO_INT64, TO_UINT64, INT64_TO_UINT64, UINT64_TO_INT64,
+    ROUND, TRUTH, SINGLE,
+) = range(10)  # fmt: skip
+"""Conversions of COPY_TYPED: the same 64 bits; 64-bit integers to and from reals and one another;
+reals as they are held in an integer of up to 32 bits, a boolean, a float32."""
 
 BOOL8, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32, BOOL32 = range(11)
 """Kinds of C numbers that are not float64; booleans are 1 byte in FMI 3 and an int in FMI 2."""

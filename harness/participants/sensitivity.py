@@ -15,17 +15,19 @@ pressures and piston positions share one matrix.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from harness.clock import to_seconds
+from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.errors import FmuError
-from harness.fmi.binding.instance import FmuInstance
-from harness.master.program import operations as op
+from harness.participants.fmu import FmuParticipant
+from harness.participants.memory import Memory, Row
+from harness.participants.participant import Participant
 from harness.system.block import Array, KernelBlock, Port
-from harness.system.graph import SensitivityComponent
+from harness.system.graph import Endpoint, SensitivityComponent
 
 _TERMS = 14  # Taylor terms; with a norm below 1/2 the remainder is below 1e-16
 
@@ -95,51 +97,52 @@ def exponential(matrix: Array, power: Array, total: Array, halvings: int) -> Non
                 total[i, j] = power[i, j]
 
 
-class Linearisation:
-    """The memory and the operations of one sensitivity."""
+class SensitivityParticipant(Participant):
+    """A sensitivity: one directional derivative a column of the Jacobian, then the block."""
 
-    def __init__(self, component: SensitivityComponent, instance: FmuInstance) -> None:
-        """Raises `FmuError` when the FMU names no states."""
-        description = instance.description
-        if not description.states:
-            raise FmuError(
-                f"sensitivity {component.name}: FMU {description.name} names no continuous states"
-            )
-        self.instance = instance
-        states = [description.variable(name) for name, _ in description.states]
-        derivatives = [description.variable(name) for _, name in description.states]
-        n, h = len(states), to_seconds(component.period_ns)
+    def __init__(self, component: SensitivityComponent) -> None:
+        """Binds nothing yet."""
+        super().__init__(component.name)
+        self.component = component
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """Find the FMU; raises `FmuError` when it names no states."""
+        super().link(memory, participants)
+        fmu = participants[self.component.component]
+        assert isinstance(fmu, FmuParticipant)
+        self.instance = fmu.instance
+        d = self.instance.description
+        if not d.states:
+            raise FmuError(f"sensitivity {self.name}: FMU {d.name} names no continuous states")
+        states = [d.variable(name) for name, _ in d.states]
+        output, known = d.variable(self.component.output), d.variable(self.component.input)
+        unknowns = [*(d.variable(name) for _, name in d.states), output]
+        n, h = len(states), to_seconds(self.component.period_ns)
         nominal = [abs(v.nominal or 0.0) or 1.0 for v in states]
-        output, known = (
-            description.variable(component.output),
-            description.variable(component.input),
+        self._unknowns = np.array([v.value_reference for v in unknowns], dtype=np.uint32)
+        self._knowns = np.array([v.value_reference for v in [*states, known]], dtype=np.uint32)
+        self._seed = np.ones(1)
+        self._jacobian = np.zeros((n + 1) ** 2)
+        self._parameters = np.array([float(n), h, *nominal])
+        self._work = np.zeros(3 * (n + 1) ** 2)
+        ports = tuple(Port(f"j{i}") for i in range(self._jacobian.size))
+        self._compiled = compile_step(
+            KernelBlock(ports, (Port("value"),), sampled_sensitivity, self._parameters, self._work)
         )
-        self.unknowns = np.array(
-            [v.value_reference for v in [*derivatives, output]], dtype=np.uint32
-        )
-        self.knowns = np.array([v.value_reference for v in [*states, known]], dtype=np.uint32)
-        self.seed = np.ones(1)
-        self.jacobian = np.zeros((n + 1) ** 2)
-        self.parameters = np.array([float(n), h, *nominal])
-        self.work = np.zeros(3 * (n + 1) ** 2)
-        ports = tuple(Port(f"j{i}") for i in range(self.jacobian.size))
-        block = KernelBlock(
-            ports, (Port("value"),), sampled_sensitivity, self.parameters, self.work
-        )
-        self.compiled = compile_step(block)
 
-    def operations(self, target: int) -> Iterator[list[int]]:
-        """One directional derivative a column, then the block that writes to address `target`."""
-        m = self.unknowns.size
+    def compute(self) -> Iterator[Row]:
+        """One directional derivative a column, then the block."""
+        m = self._unknowns.size
         function = self.instance.address("GetDirectionalDerivative")
-        handle, seed = self.instance.handle or 0, self.seed.ctypes.data
+        handle, seed = self.instance.handle or 0, self._seed.ctypes.data
         for j in range(m):
-            known = self.knowns.ctypes.data + 4 * j
-            column = self.jacobian.ctypes.data + 8 * m * j
-            head = [function, handle, self.unknowns.ctypes.data, m, known, 1, seed]
+            known = self._knowns.ctypes.data + 4 * j
+            column = self._jacobian.ctypes.data + 8 * m * j
+            head = [function, handle, self._unknowns.ctypes.data, m, known, 1, seed]
             if self.instance.prefix == "fmi3":
                 yield [op.CALL_9, *head, 1, column, m]
             else:
                 yield [op.CALL_7, *head, column]
-        p, x, u = (a.ctypes.data for a in (self.parameters, self.work, self.jacobian))
-        yield [op.CALL_5, *self.compiled.call(p, x, u, target)]
+        p, x, u = (a.ctypes.data for a in (self._parameters, self._work, self._jacobian))
+        target = self.memory.slot(Endpoint(self.name, "value"), "present")
+        yield [op.CALL_5, *self._compiled.call(p, x, u, self.memory.address(target))]

@@ -1,0 +1,124 @@
+"""What participants of all kinds of FMU have in common: an instance, from its instantiation to its
+end, and rows that get and set its variables."""
+
+from __future__ import annotations
+
+import ctypes
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from harness.compiler import operations as op
+from harness.errors import FmuError
+from harness.fmi.binding.instance import FmuInstance
+from harness.fmi.binding.interface import InterfaceType
+from harness.fmi.binding.logger import LogMessage
+from harness.fmi.fmu import Fmu
+from harness.participants.access import Access
+from harness.participants.memory import Memory, Row, View
+from harness.participants.participant import Participant
+from harness.system.graph import FmuComponent
+from harness.system.policy import capabilities_of, interface_of, tolerance_of
+
+_KINDS: dict[InterfaceType, type[FmuParticipant]] = {}
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a run gives to its FMUs: whether and where they log, the number of ticks in a second,
+    and who records a row at an event inside a step."""
+
+    logging: bool = False
+    echo: Callable[[str, LogMessage], None] | None = None
+    ticks_per_second: int = 1_000_000_000
+
+
+class FmuParticipant(Participant):
+    """An FMU; `instance` is its live instance. A subclass serves one kind of interface."""
+
+    kind: ClassVar[InterfaceType]
+
+    def __init_subclass__(cls) -> None:
+        _KINDS[cls.kind] = cls
+
+    @staticmethod
+    def of(component: FmuComponent, fmu: Fmu, around: Around) -> FmuParticipant:
+        """The participant for a component, instantiated; raises `HarnessError`."""
+        return _KINDS[interface_of(component, fmu.description)](component, fmu, around)
+
+    def __init__(self, component: FmuComponent, fmu: Fmu, around: Around) -> None:
+        """Instantiate; raises `FmuError`."""
+        super().__init__(component.name)
+        self.component, self.fmu, self.around = component, fmu, around
+        self.description = fmu.description
+        self.capabilities = capabilities_of(component, fmu.description)
+        self.tolerance = tolerance_of(component.policy, fmu.description)
+        self._place = np.zeros(1, dtype=np.int64)
+        self.instance = self.instantiate()
+
+    @abstractmethod
+    def instantiate(self) -> FmuInstance:
+        """A new instance of the kind that this participant serves."""
+
+    def made(self, *, event_mode: bool = False, early_return: bool = False) -> FmuInstance:
+        """A new instance with the run's log."""
+        echo, name = self.around.echo, self.name
+        return self.fmu.instantiate(
+            name, interface_type=self.kind, event_mode=event_mode, early_return=early_return,
+            logging=self.around.logging, echo=None if echo is None else lambda m: echo(name, m),
+        )  # fmt: skip
+
+    # life
+
+    def enter_initialization(self, start: float, stop: float | None) -> None:
+        """Set start values, and enter initialisation mode."""
+        self.instance.set(self.component.start_values)
+        self.instance.enter_initialization_mode(start, stop, self.tolerance)
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """Prepare access to variables."""
+        super().link(memory, participants)
+        self.access = Access(self.name, self.instance, memory)
+
+    def leave_initialization(self, time: float) -> None:
+        """Exit initialisation mode."""
+        self.instance.exit_initialization_mode()
+
+    def terminate(self) -> None:
+        """Terminate; what the FMU returns changes nothing that was computed."""
+        try:
+            self.instance.terminate()
+        except FmuError as fault:
+            self.notes = (*self.notes, str(fault))
+
+    def close(self) -> None:
+        """Give back the snapshot and the instance."""
+        if self._place[0] and self.instance.alive:
+            self.instance.free_state(ctypes.c_void_p(int(self._place[0])))
+        self._place[0] = 0
+        self.instance.free()
+
+    # rows
+
+    def read(self, outputs: Sequence[str], view: View = "present") -> Iterator[Row]:
+        """Get variables."""
+        return self.access.read(outputs, view)
+
+    def write(self, inputs: Sequence[str]) -> Iterator[Row]:
+        """Set variables."""
+        return self.access.write(inputs)
+
+    def save(self) -> Iterator[Row]:
+        """Get the FMU state."""
+        yield [op.CALL_2, *self._state("Get"), self._place.ctypes.data]
+
+    def restore(self) -> Iterator[Row]:
+        """Set the FMU state."""
+        yield [op.CALL_2_AT, *self._state("Set"), self._place.ctypes.data]
+
+    def _state(self, verb: str) -> list[int]:
+        name = "FMUState" if self.instance.prefix == "fmi3" else "FMUstate"
+        return [self.instance.address(verb + name), self.instance.handle or 0]

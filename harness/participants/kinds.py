@@ -1,0 +1,31 @@
+"""The kinds of participant, by what they stand for in a system."""
+
+from __future__ import annotations
+
+from harness.participants import cosimulation as cosimulation
+from harness.participants.block import BlockParticipant
+from harness.participants.participant import Participant
+from harness.participants.python import PythonParticipant
+from harness.participants.sensitivity import SensitivityParticipant
+from harness.participants.signal import SignalParticipant
+from harness.system.graph import (
+    BlockComponent,
+    PythonComponent,
+    SampledComponent,
+    SignalComponent,
+)
+
+
+def sampled(component: SampledComponent, signals: int) -> Participant:
+    """The participant for what is no FMU; there are so many `signals` before it.
+
+    Raises `CompileError` for a block that cannot be compiled.
+    """
+    match component:
+        case BlockComponent():
+            return BlockParticipant(component)
+        case PythonComponent():
+            return PythonParticipant(component)
+        case SignalComponent():
+            return SignalParticipant(component, signals)
+    return SensitivityParticipant(component)
