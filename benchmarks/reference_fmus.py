@@ -32,8 +32,8 @@ from scipy.integrate import solve_ivp
 
 from harness import Fmu, simulate
 from harness.errors import HarnessError
+from harness.results.result import Result
 from harness.simulation.csv_files import read_reference
-from harness.simulation.outputs import SimulationResult
 
 Array = NDArray[np.float64]
 FIXED_STEP = {
@@ -131,7 +131,7 @@ def _against_file(path: Path, fmi: str, method: str, published: Path, **options:
     )
 
 
-def _common(result: SimulationResult, times: Array) -> tuple[list[int], list[int]]:
+def _common(result: Result, times: Array) -> tuple[list[int], list[int]]:
     """The rows of both at equal times, the last row where a time repeats."""
     last = {round(float(t), 9): i for i, t in enumerate(result.time)}
     pairs = [(last[key], i) for i, t in enumerate(times) if (key := round(float(t), 9)) in last]

@@ -18,8 +18,8 @@ from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
+    from harness.results.result import Result
     from harness.simulation.comparison import Agreement
-    from harness.simulation.outputs import SimulationResult
     from harness.simulation.settings import Request
 
 Number = float | None
@@ -122,7 +122,7 @@ def simulate_command(
             _validate(opened, result, validate_against, time_band, value_band)
 
 
-def _kept(result: SimulationResult, output_file: Path | None) -> str:
+def _kept(result: Result, output_file: Path | None) -> str:
     """What became of the rows of a run that ended early."""
     if not len(result.time):
         return "there are no rows"
@@ -157,7 +157,7 @@ def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:
     return dict(parse_assignment(opened.description, text) for text in texts)
 
 
-def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> SimulationResult:
+def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> Result:
     from harness.simulation.simulate import simulate
 
     with bar() as shown:
@@ -170,7 +170,7 @@ def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> SimulationResul
         )
 
 
-def _summary(result: SimulationResult) -> None:
+def _summary(result: Result) -> None:
     from rich.table import Table
 
     if not result.manifest.fmus:  # the FMU's process died; there is nothing but the rows
@@ -200,9 +200,9 @@ def _summary(result: SimulationResult) -> None:
 _SHOWN = 40
 
 
-def _write(result: SimulationResult, csv: Path | None, plot: Path | None, show: bool) -> None:
+def _write(result: Result, csv: Path | None, plot: Path | None, show: bool) -> None:
     if csv is not None:
-        from harness.simulation.csv_files import write_csv
+        from harness.results.csv_files import write_csv
 
         write_csv(result, csv)
         console().print(f"written: {csv}", markup=False, soft_wrap=True)
@@ -217,7 +217,7 @@ def _write(result: SimulationResult, csv: Path | None, plot: Path | None, show: 
 
 
 def _validate(
-    opened: Fmu, result: SimulationResult, path: Path, time_band: float | None, value_band: float
+    opened: Fmu, result: Result, path: Path, time_band: float | None, value_band: float
 ) -> None:
     from harness.simulation.validation import validate
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _CHUNK_ROWS = 16384
 
-Times = NDArray[np.int64]
+Times = NDArray[np.float64]
 Rows = NDArray[np.float64]
 
 
@@ -25,7 +25,7 @@ class Host:
 
     def __init__(self) -> None:
         self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)
-        self._times: Times = np.empty(0, dtype=np.int64)
+        self._times: Times = np.empty(0)
         self._rows: Rows = np.empty((0, 0))
 
     def chunk_rows(self, columns: int) -> int:
@@ -33,12 +33,12 @@ class Host:
         return _CHUNK_ROWS
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
-        """Memory for the next chunk: times (ns) and rows, at least `rows` of them.
+        """Memory for the next chunk: times (s) and rows, at least `rows` of them.
 
         The rows of the chunk before it have been handed to the recorder.
         """
         if len(self._times) < rows:  # memory fresh from the system is slow to touch
-            self._times = np.empty(rows, dtype=np.int64)
+            self._times = np.empty(rows)
             self._rows = np.empty((rows, columns))
         return self._times, self._rows
 

@@ -53,8 +53,8 @@ Progress = Callable[[float], None]
 class Recorder(Protocol):
     """Receives rows as they come."""
 
-    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        """Times (n,) and rows (n, columns); both are only valid during the call."""
+    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+        """Times (s, shape (n,)) and rows (n, columns); both are only valid during the call."""
 
 
 @dataclass(frozen=True)
@@ -328,7 +328,7 @@ def _call(
     samples: _Samples,
     span: tuple[int, int, int, int],
     rows: NDArray[np.float64] | None = None,
-    times: NDArray[np.int64] | None = None,
+    times: NDArray[np.float64] | None = None,
 ) -> int:
     outcome: int = run_cycles(
         program.code,
@@ -343,6 +343,6 @@ def _call(
         program.memory.exchange,
         program.recorded,
         np.empty((0, len(program.recorded))) if rows is None else rows,
-        np.empty(0, dtype=np.int64) if times is None else times,
+        np.empty(0) if times is None else times,
     )
     return outcome

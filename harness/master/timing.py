@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.clock import show
+from harness.clock import nearest_nanosecond, show
 from harness.fmi.fmu import Fmu
 from harness.master.plan.actions import (
     Action,
@@ -220,15 +220,15 @@ class _Rows:
     """Keeps all rows in memory."""
 
     def __init__(self) -> None:
-        self.chunks: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+        self.chunks: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
 
-    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        self.chunks.append((times_ns.copy(), rows.copy()))
+    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+        self.chunks.append((times.copy(), rows.copy()))
 
 
 def _run(
     system: System, fmus: Mapping[str, Fmu], ports: list[Endpoint]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     rows = _Rows()
     outcome = execute(plan_system(system, fmus, tuple(map(str, dict.fromkeys(ports)))), fmus, rows)
     if outcome.fault is not None:
@@ -241,11 +241,11 @@ def _run(
 
 def _first_differences(
     ports: list[Endpoint],
-    first: tuple[NDArray[np.int64], NDArray[np.float64]],
-    second: tuple[NDArray[np.int64], NDArray[np.float64]],
+    first: tuple[NDArray[np.float64], NDArray[np.float64]],
+    second: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> dict[Endpoint, int | None]:
     found: dict[Endpoint, int | None] = {}
     for column, port in enumerate(dict.fromkeys(ports)):
         changed = np.flatnonzero(first[1][:, column] != second[1][:, column])
-        found[port] = int(first[0][changed[0]]) if changed.size else None
+        found[port] = nearest_nanosecond(first[0][changed[0]]) if changed.size else None
     return found

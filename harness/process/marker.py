@@ -148,7 +148,7 @@ class RowMemory:
         if create:
             os.ftruncate(descriptor, max(size, 1))
         memory: Any = mmap.mmap(descriptor, max(size, 1))
-        times = np.frombuffer(memory, dtype=np.int64, count=2 * rows)
+        times = np.frombuffer(memory, dtype=np.float64, count=2 * rows)
         values = np.frombuffer(memory, dtype=np.float64, count=2 * rows * columns, offset=16 * rows)
-        self.times: NDArray[np.int64] = times.reshape(2, rows)
+        self.times: NDArray[np.float64] = times.reshape(2, rows)
         self.values: NDArray[np.float64] = values.reshape(2, rows, columns)

@@ -48,5 +48,5 @@ def _load_loop() -> None:
         np.zeros(8, dtype=np.uint8),
         whole,
         np.zeros((0, 1)),
-        whole,
+        real,
     )

@@ -151,7 +151,7 @@ class _Watched(Host):
         self._marker.begin_chunk(self._begun)
         return self._memory.times[half], self._memory.values[half]
 
-    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """A chunk is done; its rows are where the supervisor finds them."""
         self._recorded += len(rows)
         self.tell(Chunk(self._begun, len(rows)))

@@ -1,4 +1,4 @@
-"""The columns of a recording, and how they stand in the schema of its files."""
+"""The columns of a recording: their types in memory, and in the schema of its files."""
 
 from __future__ import annotations
 
@@ -6,71 +6,104 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from harness.errors import RecordingError
 
 TIME = "time"
-TIME_NS = "time_ns"
+
+_DTYPES: dict[str, Any] = {
+    "real": np.float64, "float32": np.float32, "boolean": np.bool_, "clock": np.bool_,
+    "integer": np.int64, "int64": np.int64, "uint64": np.uint64,
+}  # fmt: skip
+TEXT_TYPES = ("text", "binary")
+TYPES = (*_DTYPES, *TEXT_TYPES)
 
 
 @dataclass(frozen=True)
 class Column:
-    """One recorded signal: `name` as `instance.variable`, `unit`, `description`.
+    """One recorded signal: `name` (`instance.variable` in a system), `unit`, `description`.
 
-    Booleans are recorded as 0 and 1, enumerations as numbers.
+    `type` says what a row's 8-byte cell holds. Of "real", "float32", "integer" (float64 holds it
+    exactly), "boolean" and "clock" (whether it ticks): the value as float64. Of "int64" and
+    "uint64": the integer itself. Of "text" and "binary": an index (int64) into the texts of the
+    run.
     """
 
     name: str
     unit: str = "1"
     description: str = ""
+    type: str = "real"
+
+    @property
+    def dtype(self) -> Any:
+        """The numpy type of its values, None for texts and binaries."""
+        return _DTYPES.get(self.type)
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it may change between two rows; other types are held until the next one."""
+        return self.type in ("real", "float32")
 
 
 def check_columns(columns: Iterable[Column]) -> tuple[Column, ...]:
-    """The columns as a tuple; raises `RecordingError` where two share a name or one is `time`."""
+    """The columns as a tuple; raises `RecordingError` where two share a name, one is `time` or its
+    type is none."""
     checked = tuple(columns)
     seen: set[str] = set()
     for column in checked:
-        if not column.name or column.name in (TIME, TIME_NS):
+        if not column.name or column.name == TIME:
             raise RecordingError(
                 f"a recorded column may not be called {column.name!r}; the harness writes the "
                 "column 'time' itself"
             )
         if column.name in seen:
             raise RecordingError(f"two recorded columns are called {column.name!r}; rename one")
+        if column.type not in TYPES:
+            raise RecordingError(
+                f"column {column.name!r} is of type {column.type!r}; expected {', '.join(TYPES)}"
+            )
         seen.add(column.name)
     return checked
 
 
-def stream_schema(columns: Sequence[Column]) -> Any:
-    """The Arrow schema of `rows.arrows`: integer `time_ns`, then the columns as float64."""
+def bare_name(instance: str, variable: str) -> str:
+    """The column of a variable where only one FMU is recorded: its own name, or
+    `instance.variable` for a variable that is called as the column of the time."""
+    return f"{instance}.{variable}" if variable == TIME else variable
+
+
+def values_of(
+    column: Column, cells: NDArray[np.float64], texts: Sequence[str | bytes]
+) -> NDArray[Any] | list[str | bytes]:
+    """What the `cells` (contiguous, shape (n,)) of a column stand for; raises `RecordingError`."""
+    if column.type in TEXT_TYPES:
+        places = cells.view(np.int64)
+        wrong = places[(places < 0) | (places >= len(texts))]
+        if wrong.size:
+            raise RecordingError(
+                f"column {column.name!r} got the text number {wrong[0]} of {len(texts)} texts"
+            )
+        return [texts[place] for place in places.tolist()]
+    if column.type in ("int64", "uint64"):
+        whole: NDArray[Any] = cells.view(column.dtype)
+        return whole
+    return cells.astype(column.dtype, copy=False)
+
+
+def schema_of(columns: Sequence[Column]) -> Any:
+    """The Arrow schema of rows in files: `time` in seconds, then the columns in their own type."""
     import pyarrow as pa
 
-    time = pa.field(TIME_NS, pa.int64(), metadata={"unit": "ns"})
-    return pa.schema([time, *_fields(columns)])
-
-
-def table_schema(columns: Sequence[Column]) -> Any:
-    """The Arrow schema of `results.parquet`: `time` in seconds, then the columns as float64."""
-    import pyarrow as pa
+    def type_of(column: Column) -> Any:
+        if column.type in TEXT_TYPES:
+            return pa.string() if column.type == "text" else pa.binary()
+        return pa.from_numpy_dtype(column.dtype)
 
     time = pa.field(TIME, pa.float64(), metadata={"unit": "s", "description": "simulated time"})
-    return pa.schema([time, *_fields(columns)])
-
-
-def _fields(columns: Sequence[Column]) -> list[Any]:
-    import pyarrow as pa
-
-    return [
-        pa.field(
-            one.name, pa.float64(), metadata={"unit": one.unit, "description": one.description}
-        )
-        for one in columns
+    fields = [
+        pa.field(c.name, type_of(c), metadata={"unit": c.unit, "description": c.description})
+        for c in columns
     ]
-
-
-def schema_columns(schema: Any) -> tuple[Column, ...]:
-    """The columns of a stored schema, without its time column."""
-    read = []
-    for one in list(schema)[1:]:
-        notes = {key.decode(): value.decode() for key, value in (one.metadata or {}).items()}
-        read.append(Column(one.name, notes.get("unit", "1"), notes.get("description", "")))
-    return tuple(read)
+    return pa.schema([time, *fields])

@@ -13,9 +13,9 @@ and when it has ended, in place of the stream:
     manifest.json     status "complete", or "incomplete" with the time reached and the reason
 
 A run that is interrupted ends at once, so a long stream stays as it is. A reader opens either form
-(`read_recording`). Time is recorded in integer nanoseconds, and
-`time` is the double nearest to that many seconds. This module refuses to know where rows come
-from.
+(`read_recording`). Columns are stored in their own types: 64-bit integers exactly, strings as text
+(in double quotes in the CSV file), binaries as bytes (hexadecimal there), booleans (0 and 1 there).
+Times are float64 seconds. This module refuses to know where rows come from.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from __future__ import annotations
 import errno
 import os
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -33,9 +33,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.clock import seconds_of
 from harness.errors import RecordingError
-from harness.results.columns import Column, check_columns, stream_schema
+from harness.results.columns import Column, check_columns, schema_of, values_of
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
 from harness.results.storage import STREAM_FILE, first_rows, read_recording, seal
@@ -78,8 +77,9 @@ class Recording:
             manifest or Manifest(), columns=self.columns, status=RunStatus(RUNNING)
         )
         self._begun = clock.perf_counter()
-        self._chunks: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
-        self._last: int | None = None
+        self._chunks: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+        self._texts: list[str | bytes] = []
+        self._last: float | None = None
         self._stream: Any = None
         self._lock: FolderLock | None = None
         if self.folder is not None:
@@ -93,7 +93,7 @@ class Recording:
     def _open(self, folder: Path, continued: int | None) -> None:
         import pyarrow as pa
 
-        self._schema = stream_schema(self.columns)
+        self._schema = schema_of(self.columns)
         kept = [] if continued is None else list(first_rows(folder, continued))
         path = folder / STREAM_FILE
         partial = path if continued is None else path.with_suffix(".partial")
@@ -112,53 +112,61 @@ class Recording:
         except OSError as fault:
             raise RecordingError(f"cannot write into the run folder {folder}: {fault}") from fault
         if kept:
-            self._last = int(kept[-1].column(0)[-1].as_py())
+            self._last = kept[-1].column(0)[-1].as_py()
 
-    def append(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
-        """Adds rows (shape (n, number of columns)) at `times_ns` (integer nanoseconds, shape (n,)).
+    def add_texts(self, new: Sequence[str | bytes]) -> None:
+        """Appends to the table of texts, into which cells of text and binary columns point."""
+        self._texts += new
+
+    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
+        """Adds rows of 8-byte cells (shape (n, number of columns), see `Column`) at `times` (s,
+        shape (n,)).
 
         When it returns, the rows survive the end of this process. A time may repeat (both sides
         of an event) but never go back.
         """
         if self.result is not None:
             raise RecordingError("rows were appended to a recording that is finished")
-        if rows.shape != (len(times_ns), len(self.columns)):
+        if rows.shape != (len(times), len(self.columns)):
             raise RecordingError(
-                f"{len(times_ns)} rows of {len(self.columns)} columns were expected, got an array "
+                f"{len(times)} rows of {len(self.columns)} columns were expected, got an array "
                 f"of shape {rows.shape}"
             )
-        if len(times_ns) == 0:
+        if len(times) == 0:
             return
-        self._check_order(times_ns)
+        self._check_order(times)
         if self.folder is None:
-            self._chunks.append((times_ns.copy(), rows.copy()))
+            self._chunks.append((times.copy(), rows.copy()))
         else:
             if self._stream is None:
                 raise RecordingError(f"cannot write rows into {self.folder}, as before")
-            self._write(times_ns, rows)
-        self._last = int(times_ns[-1])
+            self._write(times, rows)
+        self._last = float(times[-1])
 
-    def _check_order(self, times_ns: NDArray[np.int64]) -> None:
-        previous = int(times_ns[0]) if self._last is None else self._last
-        backwards = times_ns[1:] < times_ns[:-1]
-        if times_ns[0] < previous or backwards.any():
-            at = 0 if times_ns[0] < previous else int(np.argmax(backwards)) + 1
-            before = previous if at == 0 else int(times_ns[at - 1])
+    def _check_order(self, times: NDArray[np.float64]) -> None:
+        before = np.concatenate([[-np.inf if self._last is None else self._last], times[:-1]])
+        wrong = np.flatnonzero(~(times >= before))  # true for NaN too
+        if wrong.size:
             raise RecordingError(
-                f"rows were recorded back in time: {int(times_ns[at])} ns after {before} ns"
+                f"rows were recorded back in time: {times[wrong[0]]:.17g} s after "
+                f"{before[wrong[0]]:.17g} s"
             )
 
-    def _write(self, times_ns: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+    def _write(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         import pyarrow as pa
 
-        by_column = np.ascontiguousarray(rows.T)
-        arrays = [pa.array(np.ascontiguousarray(times_ns)), *map(pa.array, by_column)]
+        values = [np.ascontiguousarray(times), *self._values(rows)]
+        arrays = map(pa.array, values, self._schema.types)
         try:
-            self._stream.write_batch(pa.record_batch(arrays, schema=self._schema))
+            self._stream.write_batch(pa.record_batch(list(arrays), schema=self._schema))
             self._file.flush()
         except OSError as fault:
             self._abandon()
             raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
+
+    def _values(self, rows: NDArray[np.float64]) -> list[Any]:
+        cells = np.ascontiguousarray(rows.T)
+        return [values_of(c, one, self._texts) for c, one in zip(self.columns, cells, strict=True)]
 
     def _abandon(self) -> None:
         """Nothing more goes into the stream; what is in it stays."""
@@ -218,20 +226,17 @@ class Recording:
         return status
 
     def _set_status(self, reason: str) -> RunStatus:
-        until = None if self._last is None else float(seconds_of(np.array([self._last]))[0])
-        status = RunStatus(INCOMPLETE if reason else COMPLETE, until, reason)
+        status = RunStatus(INCOMPLETE if reason else COMPLETE, self._last, reason)
         wall_time = clock.perf_counter() - self._begun
         self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
         return status
 
     def _from_memory(self) -> Result:
-        times = [chunk[0] for chunk in self._chunks] or [np.empty(0, dtype=np.int64)]
-        data = np.empty((sum(map(len, times)), len(self.columns)), order="F")
-        first = 0
-        for _, rows in self._chunks:
-            data[first : first + len(rows)] = rows
-            first += len(rows)
-        return Result(self.columns, seconds_of(np.concatenate(times)), data, self._manifest)
+        time = np.concatenate([np.empty(0), *(times for times, _ in self._chunks)])
+        rows = np.concatenate(
+            [np.empty((0, len(self.columns))), *(rows for _, rows in self._chunks)]
+        )
+        return Result.of(self.columns, time, self._values(rows), self._manifest)
 
     def _close(self) -> None:
         if self._stream is None:

@@ -10,18 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.clock import NANOSECONDS, seconds_of
 from harness.errors import RecordingError
-from harness.results.columns import (
-    TIME,
-    TIME_NS,
-    Column,
-    schema_columns,
-    stream_schema,
-    table_schema,
-)
+from harness.results.columns import TIME, Column, schema_of
+from harness.results.csv_files import write_csv_header, write_csv_rows
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
 from harness.results.result import Result
 from harness.results.whole import whole
@@ -56,8 +48,7 @@ def seal(
     try:
         last = _convert(folder, stream, written.columns)
         if written.status.state == RUNNING:
-            until = None if last is None else last / NANOSECONDS
-            status = RunStatus(INCOMPLETE, until, reason or "the run ended without a word")
+            status = RunStatus(INCOMPLETE, last, reason or "the run ended without a word")
             written = replace(written, status=status)
         written.write(folder)
         if not keep_stream:
@@ -85,35 +76,30 @@ def read_recording(folder: Path) -> Result:
         table = parquet.read_table(folder / PARQUET_FILE)
     except (OSError, pa.ArrowInvalid) as fault:
         raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
-    time = np.array(table.column(TIME))
-    return _result(schema_columns(table.schema), time, table, manifest, folder)
+    return _result(table, manifest, folder)
 
 
 def _read_stream(folder: Path, manifest: Manifest) -> Result:
     """What a running or dead process has written so far."""
     import pyarrow as pa
 
-    schema = stream_schema(manifest.columns)
+    schema = schema_of(manifest.columns)
     table = pa.Table.from_batches(list(_whole_batches(folder / STREAM_FILE)), schema=schema)
-    time = seconds_of(np.array(table.column(TIME_NS)))
     if manifest.status.state == RUNNING:
-        until = float(time[-1]) if len(time) else None
+        until = table.column(TIME)[-1].as_py() if table.num_rows else None
         status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
         manifest = replace(manifest, status=status)
-    return _result(manifest.columns, time, table, manifest, folder)
+    return _result(table, manifest, folder)
 
 
-def _result(
-    columns: tuple[Column, ...],
-    time: NDArray[np.float64],
-    table: Any,
-    manifest: Manifest,
-    folder: Path,
-) -> Result:
-    data = np.empty((len(time), len(columns)), order="F")
-    for index in range(len(columns)):
-        data[:, index] = table.column(index + 1)
-    return Result(columns, time, data, manifest, folder, read_metrics(folder))
+def _result(table: Any, manifest: Manifest, folder: Path) -> Result:
+    time, *columns = table.columns
+    values = [
+        column.to_pylist() if known.dtype is None else np.array(column)
+        for known, column in zip(manifest.columns, columns, strict=True)
+    ]
+    result = Result.of(manifest.columns, np.array(time), values, manifest)
+    return replace(result, folder=folder, metrics=read_metrics(folder))
 
 
 def _whole_batches(stream: Path) -> Iterator[Any]:
@@ -162,33 +148,22 @@ def _blocks(stream: Path) -> Iterator[Any]:
         yield pa.Table.from_batches(held).combine_chunks()
 
 
-def _convert(folder: Path, stream: Path, columns: Sequence[Column]) -> int | None:
-    """Writes Parquet and CSV beside the stream; the last time (ns), None where it has no row."""
-    import pyarrow as pa
-    import pyarrow.csv as arrow_csv
+def _convert(folder: Path, stream: Path, columns: Sequence[Column]) -> float | None:
+    """Writes Parquet and CSV beside the stream; the last time (s), None where it has no row."""
     import pyarrow.parquet as parquet
 
-    schema = table_schema(columns)
-    no_header = arrow_csv.WriteOptions(include_header=False)
-    last: int | None = None
+    schema = schema_of(columns)
+    last: float | None = None
     parquet_part, csv_part = folder / (PARQUET_FILE + ".partial"), folder / (CSV_FILE + ".partial")
     with parquet.ParquetWriter(parquet_part, schema) as table_file, csv_part.open("wb") as csv_file:
-        csv_file.write(csv_header([TIME, *(one.name for one in columns)]).encode())
+        write_csv_header(csv_file, columns)
         for block in _blocks(stream):
-            times_ns = np.array(block.column(TIME_NS))
-            last = int(times_ns[-1])
-            arrays = [pa.array(seconds_of(times_ns)), *block.columns[1:]]
-            table = pa.Table.from_arrays(arrays, schema=schema)
-            table_file.write_table(table)
-            arrow_csv.write_csv(table, csv_file, no_header)
+            last = block.column(TIME)[-1].as_py()
+            table_file.write_table(block)
+            write_csv_rows(csv_file, block)
     parquet_part.replace(folder / PARQUET_FILE)
     csv_part.replace(folder / CSV_FILE)
     return last
-
-
-def csv_header(names: Sequence[str]) -> str:
-    """The first line of a CSV file: names in double quotes, verbatim but for doubled quotes."""
-    return ",".join('"' + name.replace('"', '""') + '"' for name in names) + "\n"
 
 
 def write_metrics(folder: Path, metrics: Mapping[str, float | None]) -> None:

@@ -17,7 +17,8 @@ from harness.process.interrupts import TerminatedError
 from harness.process.limits import Limits
 from harness.process.task import Teller, run_task
 from harness.results.manifest import INCOMPLETE, Manifest, RunStatus
-from harness.simulation.outputs import Content, Rows, SimulationResult
+from harness.results.result import Result
+from harness.simulation.outputs import Content, Rows
 
 Progress = Callable[[float], None]
 Echo = Callable[[LogMessage], None]
@@ -81,7 +82,7 @@ class _Heard:
         fault: HarnessError | TerminatedError | None,
         manifest: Manifest,
         notes: tuple[str, ...],
-    ) -> SimulationResult:
+    ) -> Result:
         """The rows as a result, or `fault` raised with it."""
         found = None if self.rows is None else self.rows.result(manifest, notes)
         if fault is not None:
@@ -102,7 +103,7 @@ Ended = tuple[HarnessError | None, Manifest, tuple[str, ...]]
 
 def simulate_here(
     run: Callable[[Watched], Ended], *, progress: Progress | None, echo: Echo | None
-) -> SimulationResult:
+) -> Result:
     """What `run` records, in this process; raises what it raises, with the rows as `result`."""
     heard = _Heard(progress, echo)
     return heard.result(*run(Watched(Teller(heard), echo is not None)))
@@ -115,7 +116,7 @@ def simulate_apart(
     limits: Limits,
     progress: Progress | None,
     echo: Echo | None,
-) -> SimulationResult:
+) -> Result:
     """The same in a worker; raises `SimulationError` where it dies, too."""
     heard = _Heard(progress, echo)
     fault: HarnessError | TerminatedError

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import UsageError, nearest
+from harness.results.result import Result
 from harness.simulation.csv_files import ReferenceTable
-from harness.simulation.outputs import SimulationResult
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class Agreement:
 
 
 def compare(
-    result: SimulationResult, reference: ReferenceTable, band: Band, discrete: Mapping[str, bool]
+    result: Result, reference: ReferenceTable, band: Band, discrete: Mapping[str, bool]
 ) -> tuple[Agreement, ...]:
     """One `Agreement` for each column of the reference; raises `UsageError` where the result lacks
     one. `discrete` says which columns are held between rows instead of interpolated."""
@@ -98,7 +98,7 @@ def _at(at: Array, time: Array, values: Array, held: bool) -> Array:
 
 
 def _numbers(
-    result: SimulationResult, time: Array, values: Array, name: str, band: Band, held: bool
+    result: Result, time: Array, values: Array, name: str, band: Band, held: bool
 ) -> Agreement:
     spread = float(values.max() - values.min()) or float(np.abs(values).max())
     width = band.relative * spread + band.absolute
@@ -112,7 +112,7 @@ def _numbers(
     return _agreement(name, at, inside, float(distance.max(initial=0.0)), band)
 
 
-def _texts(result: SimulationResult, reference: ReferenceTable, name: str, band: Band) -> Agreement:
+def _texts(result: Result, reference: ReferenceTable, name: str, band: Band) -> Agreement:
     judged = _overlap(result.time, reference.time, band)
     at, cells = result.time[judged], reference.columns[name]
     own = [str(one) for one in result[name][judged]]

@@ -8,47 +8,17 @@ unit row.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import RecordingError, UsageError
+from harness.errors import UsageError
 from harness.instruments.csv_signal import plain_name, read_csv_table
-from harness.results.storage import csv_header
 from harness.simulation.input_data import time_column
-from harness.simulation.outputs import SimulationResult, element_names
-
-
-def write_csv(result: SimulationResult, path: Path) -> None:
-    """Write `result` as CSV, whole or not at all; raises `RecordingError`."""
-    columns = [_cells(result[name], name in result.texts) for name in result.order]
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("w", encoding="utf-8", newline="") as file:
-            file.write(csv_header(["time", *result.order]))
-            for row in zip(_cells(result.time, False), *columns, strict=True):
-                file.write(",".join(row) + "\n")
-        partial.replace(path)
-    except OSError as fault:
-        raise RecordingError(f"{path} cannot be written: {fault.strerror or fault}") from fault
-
-
-def _cells(values: Any, text: bool) -> Iterator[str]:
-    if text:
-        return ('"' + str(one).replace('"', '""') + '"' for one in values)
-    if values.dtype == np.bool_:
-        return ("1" if one else "0" for one in values)
-    if values.dtype == np.float32:
-        return (_number(str(one)) for one in values)
-    return (_number(repr(one)) for one in values.tolist())
-
-
-def _number(text: str) -> str:
-    return text.removesuffix(".0")
+from harness.simulation.outputs import element_names
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,7 @@
 """What a simulation records: the selected variables, all types, arrays element by element.
 
-Numbers keep their own type until they are asked for: 64-bit integers beyond 2^53 stay exact in
-`SimulationResult[...]` and in the CSV file, though the columns of a Result are float64. Strings
-and binaries (hexadecimal) are kept as text beside the numbers. Arrays become columns `a[1,2]`,
-counted from 1 in row-major order.
+Arrays become columns `a[1,2]`, counted from 1 in row-major order. A variable that is called `time`
+becomes the column `instance.time`, as in a system.
 """
 
 from __future__ import annotations
@@ -15,47 +13,22 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.groups import grouped
 from harness.fmi.binding.instance import FmuInstance
-from harness.fmi.binding.values import flat, native_dtype
+from harness.fmi.binding.values import flat
 from harness.fmi.description.model_description import ModelDescription, Variable
-from harness.results.columns import Column
+from harness.results.columns import TIME, Column, bare_name, check_columns
 from harness.results.manifest import Manifest
 from harness.results.result import Result
 
 Content = tuple[list[float], list[list[Any]], dict[str, list[Any]]]
-_TEXT_TYPES = ("String", "Binary")
-
-
-@dataclass(frozen=True, eq=False)
-class SimulationResult(Result):
-    """A `Result` of one FMU with what does not fit in float64.
-
-    `texts` holds strings and binaries (hexadecimal) by column, `exact` the numbers in their own
-    type, `order` all columns in the order of the file, `notes` what the run had to derive or
-    leave out, `not_finite` one phrase for each column that has NaN or infinity.
-    """
-
-    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    exact: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    order: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    not_finite: tuple[str, ...] = ()
-
-    def __getitem__(self, name: str) -> Any:
-        """The values of one recorded name in their own type, shape (n,), or "time"."""
-        if name in self.texts:
-            return np.array(self.texts[name], dtype=np.str_)
-        if name in self.exact:
-            return self.exact[name]
-        return super().__getitem__(name)
-
-    def __contains__(self, name: object) -> bool:
-        """Whether `name` was recorded."""
-        return name in self.texts or super().__contains__(name)
+_COLUMN_TYPES = {
+    "Real": "real", "Float64": "real", "Float32": "float32", "Boolean": "boolean",
+    "Clock": "clock", "Int64": "int64", "UInt64": "uint64", "Enumeration": "int64",
+    "String": "text", "Binary": "binary",
+}  # fmt: skip
 
 
 def select(d: ModelDescription, patterns: Sequence[str] | None) -> tuple[Variable, ...]:
@@ -101,8 +74,9 @@ def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
 @dataclass
 class Rows:
     """Rows as they were read: a block of numbers or texts for each group of variables. It holds
-    nothing of an instance, so it may go to another process."""
+    nothing of an instance but its name, so it may go to another process."""
 
+    instance: str
     variables: tuple[Variable, ...]
     shapes: dict[str, tuple[int, ...]]
     places: list[dict[str, slice]]
@@ -132,26 +106,20 @@ class Rows:
         for name, values in clocked.items():
             self.clocked[name] += values
 
-    def result(self, manifest: Manifest, notes: Sequence[str]) -> SimulationResult:
+    def result(self, manifest: Manifest, notes: Sequence[str]) -> Result:
         """The rows as a result."""
-        columns, numbers, texts, exact, order = [], [], {}, {}, []
+        columns, read = [], []
         for v, name, values in self._columns():
-            order.append(name)
-            if v.type in _TEXT_TYPES:
-                texts[name] = tuple(one.hex() if isinstance(one, bytes) else one for one in values)
-                continue
-            own = np.array(values, dtype=native_dtype(v))
-            own.flags.writeable = False
-            if own.dtype != np.float64:
-                exact[name] = own
-            columns.append(Column(name, v.unit or "1", v.description))
-            numbers.append(own.astype(np.float64))
+            known = bare_name(self.instance, name), v.unit or "1", v.description
+            column = Column(*known, _COLUMN_TYPES.get(v.type, "integer"))
+            columns.append(column)
+            read.append(values if column.dtype is None else np.array(values, column.dtype))
         time = np.array(self.times, dtype=np.float64)
-        data = np.asfortranarray(np.column_stack(numbers)) if numbers else np.empty((len(time), 0))
-        return SimulationResult(
-            tuple(columns), time, data, manifest, texts=texts, exact=exact, order=tuple(order),
-            notes=tuple(notes), not_finite=tuple(_not_finite(time, columns, numbers)),
-        )  # fmt: skip
+        result = Result.of(check_columns(columns), time, read, manifest)
+        if any(v.name == TIME for v in self.variables):
+            name = bare_name(self.instance, TIME)
+            notes = [*notes, f"the variable 'time' was recorded as {name!r}"]
+        return replace(result, notes=tuple(notes))
 
     def _columns(self) -> Iterator[tuple[Variable, str, Sequence[Any]]]:
         """Variable, column name and values, in the order in which variables were selected."""
@@ -177,6 +145,7 @@ class Recorder:
         self._held: dict[str, Any] = {v.name: _before_first_tick(v) for v in self._clocked}
         self.last: float | None = None
         self.rows = Rows(
+            instance.name,
             tuple(variables),
             {v.name: instance.shape(v) for v in variables},
             [group.places for group in self._groups],
@@ -208,16 +177,6 @@ class Recorder:
             self.rows.clocked[v.name].append(self._held[v.name])
             if v.type == "Clock":  # a tick is one row
                 self._held[v.name] = False
-
-
-def _not_finite(
-    time: NDArray[np.float64], columns: Sequence[Column], numbers: Sequence[NDArray[np.float64]]
-) -> Iterator[str]:
-    for column, values in zip(columns, numbers, strict=True):
-        odd = np.flatnonzero(~np.isfinite(values))
-        if odd.size:
-            at, value = time[odd[0]], values[odd[0]]
-            yield f"{column.name} is {value} at t = {at:.9g} s, the first of {odd.size} such rows"
 
 
 def _before_first_tick(v: Variable) -> Any:

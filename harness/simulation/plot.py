@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.errors import RecordingError
-from harness.simulation.outputs import SimulationResult
+from harness.results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,7 +16,7 @@ _MOST_CURVES = 5
 _LINE = 100  # letters that fit above a panel
 
 
-def simulation_plot(result: SimulationResult, title: str = "") -> Figure:
+def simulation_plot(result: Result, title: str = "") -> Figure:
     """The recorded numbers over time (s); at most 5 curves a panel, and a panel a unit."""
     from harness.results.plots import axis_label, line_style, panels
 
@@ -24,9 +24,9 @@ def simulation_plot(result: SimulationResult, title: str = "") -> Figure:
     figure, axes = panels(len(groups), title)
     for (unit, names), panel in zip(groups, axes, strict=True):
         for index, name in enumerate(names):
-            step = name in result.exact and result.exact[name].dtype.kind in "biu"
-            style = line_style(index) | ({"drawstyle": "steps-post"} if step else {})
-            panel.plot(result.time, result[name], label=name, **style)
+            held = not result.column(name).continuous
+            style = line_style(index) | ({"drawstyle": "steps-post"} if held else {})
+            panel.plot(result.time, result.numbers(name), label=name, **style)
         panel.set_ylabel(axis_label(names[0] if len(names) == 1 else "value", unit))
         _legend(panel, names)
     figure.align_ylabels()
@@ -42,9 +42,9 @@ def _legend(panel: Axes, names: list[str]) -> None:
     )  # fmt: skip
 
 
-def _panels(result: SimulationResult) -> list[tuple[str, list[str]]]:
+def _panels(result: Result) -> list[tuple[str, list[str]]]:
     by_unit: dict[str, list[str]] = {}
-    for name in result.names:
+    for name in [c.name for c in result.columns if c.dtype is not None]:
         by_unit.setdefault(result.unit(name), []).append(name)
     return [
         (unit, names[first : first + _MOST_CURVES])
@@ -53,7 +53,7 @@ def _panels(result: SimulationResult) -> list[tuple[str, list[str]]]:
     ]
 
 
-def write_plot(result: SimulationResult, path: Path) -> None:
+def write_plot(result: Result, path: Path) -> None:
     """Draw `result` into `path`, whose ending names the format; raises `RecordingError`."""
     record = result.manifest.fmus[0]
     kind = result.manifest.experiment.get("interface_type", "")

@@ -17,12 +17,13 @@ from harness.fmi.fmu import Fmu
 from harness.process.fork import available
 from harness.process.limits import Limits
 from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
+from harness.results.result import Result
 from harness.simulation.apart import Ended, Progress, Watched, simulate_apart, simulate_here
 from harness.simulation.clocks import Clocks, has_input_clocks
 from harness.simulation.cosimulation import CoSimulation
 from harness.simulation.input_data import InputData, read_inputs
 from harness.simulation.model_exchange import ModelExchange
-from harness.simulation.outputs import Recorder, SimulationResult, select
+from harness.simulation.outputs import Recorder, select
 from harness.simulation.settings import Request, Settings, settle
 from harness.simulation.start_values import set_start_values
 
@@ -48,7 +49,7 @@ def simulate(
     echo: Callable[[LogMessage], None] | None = None,
     limits: Limits | None = None,
     in_process: bool | None = None,
-) -> SimulationResult:
+) -> Result:
     """Simulate one FMU of FMI 1, 2 or 3, in co-simulation or model exchange.
 
     Times are in seconds; what is None comes from the FMU or is derived, see

@@ -8,14 +8,15 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.fmi.description.model_description import REAL_TYPES, ModelDescription, Variable
+from harness.results.result import Result
 from harness.simulation.comparison import Agreement, Band, compare
 from harness.simulation.csv_files import read_reference
-from harness.simulation.outputs import SimulationResult, element_names
+from harness.simulation.outputs import element_names
 
 
 def validate(
     d: ModelDescription,
-    result: SimulationResult,
+    result: Result,
     path: Path,
     time_band: float | None = None,
     value_band: float = 0.01,
@@ -52,7 +53,7 @@ def _interpolated(v: Variable) -> bool:
     return v.type in REAL_TYPES and v.variability == "continuous"
 
 
-def _shape(result: SimulationResult, v: Variable) -> tuple[int, ...]:
+def _shape(result: Result, v: Variable) -> tuple[int, ...]:
     """The sizes of a recorded array, from the names of its columns."""
     places = [
         tuple(map(int, name[len(v.name) + 1 : -1].split(",")))

@@ -43,7 +43,8 @@ def run_cycles(
                factor, offset
     samples    float64, prepared samples of all signals; cursors int64 (n_signals,): next of each
     exchange   uint8, where C integers are encoded and decoded
-    recorded   int64 (n_columns,): slots of a row; rows float64 (n_rows, n_columns), row_times int64
+    recorded   int64 (n_columns,): slots of a row; rows float64 (n_rows, n_columns), row_times
+               float64 (n_rows,) in s
     """
     start, stop, cycle_ns, last_cycle = span[0], span[1], span[2], span[3]
     ticks, wide = float(span[4]), v.view(np.int64)
@@ -90,7 +91,9 @@ def run_cycles(
                     row = clock[ROWS]
                     for column in range(recorded.shape[0]):
                         rows[row, column] = v[recorded[column]]
-                    row_times[row] = now
+                    row_times[row] = (
+                        now / _NANO
+                    )  # nearest to the decimal fraction, unlike k * (h / 1e9)
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
                     if not encode(a, v, b, c, exchange, d):

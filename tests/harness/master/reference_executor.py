@@ -6,6 +6,7 @@ Floats are Python floats, addresses are called through ctypes, C integers are pa
 import ctypes
 import math
 import struct
+from fractions import Fraction
 from typing import Any
 
 from harness.compiler import operations as op
@@ -83,7 +84,7 @@ class Executor:
             return 0 if all(map(math.isfinite, self.v[o[0] : o[1]])) else op.NOT_FINITE
         elif code == op.RECORD:
             row_number = int(self.clock[2])
-            self.times[row_number] = now
+            self.times[row_number] = float(Fraction(now, 10**9))
             self.rows[row_number] = [self.v[slot] for slot in self.recorded]
             self.clock[2] += 1
         elif code in (op.ENCODE, op.DECODE):

@@ -12,7 +12,7 @@ from tests.harness.master.mock import MockFmu
 
 
 class Rows:
-    """A recorder: times (n,) in ns and rows (n, columns)."""
+    """A recorder: `seconds` (n,), the same as whole `times` in ns, and rows (n, columns)."""
 
     def __init__(self, columns: tuple[str, ...], cells: tuple[str, ...] = ()) -> None:
         self.columns, self.cells = columns, cells
@@ -27,7 +27,11 @@ class Rows:
 
     @property
     def times(self) -> np.ndarray:
-        return np.concatenate([np.empty(0, np.int64), *(c[0] for c in self.chunks)])
+        return np.rint(self.seconds * 1e9).astype(np.int64)
+
+    @property
+    def seconds(self) -> np.ndarray:
+        return np.concatenate([np.empty(0), *(c[0] for c in self.chunks)])
 
     @property
     def rows(self) -> np.ndarray:

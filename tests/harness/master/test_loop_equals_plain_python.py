@@ -41,7 +41,7 @@ def test_same_bits_same_faults(monkeypatch: pytest.MonkeyPatch, case: Case) -> N
         interpreted, second = run_to_end(case.system, case.fmus)
     assert str(first.fault) == str(second.fault)
     assert first.end_ns == second.end_ns
-    assert compiled.times.tobytes() == interpreted.times.tobytes()
+    assert compiled.seconds.tobytes() == interpreted.seconds.tobytes()
     assert compiled.rows.tobytes() == interpreted.rows.tobytes()
     for fmu in case.fmus.values():
         one, other = fmu.instances[-2:]

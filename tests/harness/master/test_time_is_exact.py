@@ -48,14 +48,15 @@ def test_a_million_steps_of_a_tenth_of_a_second_end_exactly(
 
 @pytest.mark.parametrize("start", [0.0, 0.3, 1234.5, -0.7])
 @pytest.mark.parametrize("step", [0.01, 0.1, 1e-4, 0.007])
-def test_do_step_gets_the_double_nearest_to_the_decimal_instant(start: float, step: float) -> None:
+def test_do_step_and_rows_get_the_double_nearest_to_the_instant(start: float, step: float) -> None:
     plant = MockFmu(fmi_major=3, inputs=(Input("u", "Float64"),), outputs=(Output("y", "Float64"),))
     t0, h = to_nanoseconds(start, "start"), to_nanoseconds(step, "step")
     parts = fmu(step_ns=h)
-    run(system(parts, start_ns=t0, stop_ns=t0 + 100 * h, record_ns=h), {"plant": plant})
-    exact = [Fraction(t0 + k * h, 10**9) for k in range(100)]
+    rows = run(system(parts, start_ns=t0, stop_ns=t0 + 100 * h, record_ns=h), {"plant": plant})
+    exact = [float(Fraction(t0 + k * h, 10**9)) for k in range(101)]
     steps = plant.instances[0].model.steps
-    assert [t for t, _ in steps] == [float(t) for t in exact]
+    assert [t for t, _ in steps] == exact[:-1]
+    assert rows.seconds.tolist() == exact
     assert {width for _, width in steps} == {step}
 
 

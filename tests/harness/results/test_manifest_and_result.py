@@ -18,7 +18,7 @@ COLUMNS = (Column("plant.force", "N"), Column("plant.position", "m"))
 
 def recorded(folder: Path, **known: object) -> Recording:
     recording = Recording(COLUMNS, folder, Manifest(**known))  # type: ignore[arg-type]
-    recording.append(np.array([0, 10_000_000]), np.array([[1.0, 2.0], [3.0, 4.0]]))
+    recording.append(np.array([0.0, 0.01]), np.array([[1.0, 2.0], [3.0, 4.0]]))
     return recording
 
 
@@ -42,7 +42,9 @@ def test_the_manifest_is_there_while_the_run_goes_on_and_complete_after_it(tmp_p
     assert after["experiment"] == {"stop": 1.5, "file": "a", "levels": [0, 1]}
     assert after["versions"]["python"] == platform.python_version()
     assert after["versions"]["numpy"] == np.__version__
-    assert after["columns"][0] == {"name": "plant.force", "unit": "N", "description": ""}
+    assert after["columns"][0] == {
+        "name": "plant.force", "unit": "N", "description": "", "type": "real",
+    }  # fmt: skip
     assert after["wall_time"] > 0
     assert read_recording(folder).manifest.fmus[0].file == "plant.fmu"
 

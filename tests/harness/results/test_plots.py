@@ -30,7 +30,7 @@ NAMES = ["PID", "fuzzy PID", "EKF", "robust EKF"]
 def result(scale: float) -> Result:
     recording = Recording(COLUMNS)
     t = np.arange(50)
-    recording.append(t * 10_000_000, np.column_stack([t * 0 + 2.0, t * scale, t * 0.1, t * 0.2]))
+    recording.append(t / 100, np.column_stack([t * 0 + 2.0, t * scale, t * 0.1, t * 0.2]))
     return recording.finish()
 
 

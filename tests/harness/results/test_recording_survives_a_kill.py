@@ -19,7 +19,7 @@ from harness.results.recording import Column, Recording
 recording = Recording([Column("plant.force", "N"), Column("plant.speed", "m/s")], Path(sys.argv[1]))
 for chunk in range({CHUNKS}):
     rows = np.arange(chunk * {ROWS}, (chunk + 1) * {ROWS})
-    recording.append(rows * 10_000_000, np.column_stack([rows, rows / 3.0]))
+    recording.append(rows / 100, np.column_stack([rows, rows / 3.0]))
 os.kill(os.getpid(), signal.SIGKILL)
 """
 

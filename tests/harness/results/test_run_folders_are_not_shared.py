@@ -23,7 +23,7 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
 rows = np.arange(1000)
 try:
     for chunk in range(100):
-        recording.append((rows + 1000 * chunk) * 1000, (rows + 1000.0 * chunk)[:, None])
+        recording.append((rows + 1000 * chunk) * 1e-6, (rows + 1000.0 * chunk)[:, None])
 except RecordingError as fault:
     print("append:", fault)
 try:
@@ -39,7 +39,7 @@ def test_a_folder_that_is_written_into_is_refused(tmp_path: Path) -> None:
         Recording(COLUMNS, tmp_path / "run")
     with pytest.raises(RecordingError, match="another run is writing into the run folder"):
         Recording(COLUMNS, tmp_path / "run", continued=0)
-    first.append(np.array([0]), np.ones((1, 1)))
+    first.append(np.zeros(1), np.ones((1, 1)))
     assert first.finish().data.tolist() == [[1.0]]
     with pytest.raises(RecordingError, match="is not empty"):
         Recording(COLUMNS, tmp_path / "run")
@@ -62,10 +62,10 @@ def test_a_continued_recording_keeps_its_first_rows(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     begun = Recording(COLUMNS, folder)
     for chunk in range(3):
-        begun.append(np.arange(4) + 4 * chunk, np.full((4, 1), float(chunk)))
+        begun.append(np.arange(4.0) + 4 * chunk, np.full((4, 1), float(chunk)))
     begun.finish("ended early", keep_stream=True)
     continued = Recording(COLUMNS, folder, continued=6)
-    continued.append(np.array([6, 7]), np.full((2, 1), 9.0))
+    continued.append(np.array([6.0, 7.0]), np.full((2, 1), 9.0))
     assert continued.finish().data[:, 0].tolist() == [0, 0, 0, 0, 1, 1, 9, 9]
     assert not (folder / "rows.arrows").exists()
     with pytest.raises(RecordingError, match="lacks 3 of the 3 rows"):

@@ -9,7 +9,7 @@ from harness.results.result import Result
 from harness.results.surface_plot import surfaces_plot
 
 COLUMNS = (Column("a.x", "s"), Column("a.y"), Column("a.sum", "N"), Column("a.line"))
-STEP = 10_000_000
+STEP = 0.01
 
 
 def swept() -> Result:

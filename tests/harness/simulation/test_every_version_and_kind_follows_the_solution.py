@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness import simulate
-from harness.simulation.outputs import SimulationResult
+from harness.results.result import Result
 from tests.harness.simulation.fmus import ball, bounces, model_fmu, needs_compiler
 
 pytestmark = needs_compiler
@@ -18,7 +18,7 @@ CASES = [
 ]  # fmt: skip
 
 
-def run(kind: str, interface: str | None, **more: object) -> SimulationResult:
+def run(kind: str, interface: str | None, **more: object) -> Result:
     options = {"stop_time": STOP, "output_interval": 0.1, "relative_tolerance": 1e-9} | more
     return simulate(model_fmu(kind), interface_type=interface, **options)  # type: ignore[arg-type]
 
@@ -47,7 +47,7 @@ def test_event_mode_of_co_simulation_sees_events_where_they_are() -> None:
     check_bounces(run("3", "co-simulation", output_variables=["h", "v"]), 1e-12)
 
 
-def check_bounces(result: SimulationResult, tolerance: float) -> None:
+def check_bounces(result: Result, tolerance: float) -> None:
     v, t = result["v"], result.time
     pairs = [i for i, (a, b) in enumerate(pairwise(v)) if a < 0 < b]
     assert [t[i] == t[i + 1] for i in pairs] == [True] * 3

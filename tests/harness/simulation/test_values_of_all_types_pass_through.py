@@ -8,7 +8,7 @@ import pytest
 
 from harness import simulate
 from harness.errors import FmuError
-from harness.simulation.csv_files import write_csv
+from harness.results.csv_files import write_csv
 from tests.harness.simulation.fmus import TYPES_3, model_fmu, needs_compiler
 
 pytestmark = needs_compiler
