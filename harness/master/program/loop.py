@@ -91,9 +91,7 @@ def run_cycles(
                     row = clock[ROWS]
                     for column in range(recorded.shape[0]):
                         rows[row, column] = v[recorded[column]]
-                    row_times[row] = (
-                        now / _NANO
-                    )  # nearest to the decimal fraction, unlike k * (h / 1e9)
+                    row_times[row] = now / ticks
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
                     if not encode(a, v, b, c, exchange, d):
