@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from harness.master.run import columns_of, execute, opened, plan_system
+from harness.master.recorded import columns_of
+from harness.master.run import execute, opened, plan_system
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.graph import System

@@ -103,11 +103,11 @@ class Bench:
         source: str | Path,
         *,
         step: float | None = None,
-        tolerance: float | None = None,
         start_values: Mapping[str, Any] | None = None,
+        **policy: Any,
     ) -> None:
         """An FMU: the name of a plant, or the path of an .fmu file. `step` is its communication
-        step, `tolerance` is offered to its solver."""
+        step, `policy` says how it is run: see `harness.system.policy.Policy`."""
         text = str(source)
         if text.endswith(".fmu") or "/" in text or "\\" in text:
             path = Path(source)
@@ -115,9 +115,8 @@ class Bench:
             version = 2 if self.portable else self.fmi_version
             path = registry.plant_fmu(text, version, portable=self.portable)
         period = self._period(step, f"step of {name}")
-        self._add(
-            FmuComponent(name, path, period, dict(start_values or {}), Policy(tolerance=tolerance))
-        )
+        how = _construct(name, Policy, policy)
+        self._add(FmuComponent(name, path, period, dict(start_values or {}), how))
 
     def controller(
         self,

@@ -49,6 +49,10 @@ class SimulationError(HarnessError):
     """A run that ended before its stop time; the rows recorded so far are kept."""
 
 
+class EndRequestedError(SimulationError):
+    """An FMU asked for the end of the run before its stop time; no call failed."""
+
+
 class RecordingError(HarnessError):
     """A recording that cannot be written or read."""
 

@@ -29,7 +29,7 @@ from numba import carray, njit, types
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
-from harness.compiler.machine_code import kept_callback
+from harness.compiler.machine_code import cached_callback
 from harness.errors import HarnessError
 from harness.system.block import Array, Block, StepFunction
 
@@ -92,7 +92,7 @@ def _compile(function: FunctionType, name: str) -> Any:
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
-        return kept_callback(entry, _SIGNATURE, error_model="numpy")
+        return cached_callback(entry, _SIGNATURE, error_model="numpy")
     except NumbaError as fault:
         raise CompileError(
             f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from harness.errors import FmuError, HarnessError, SimulationError
 from harness.fmi.binding.continuous import ContinuousPart
 from harness.fmi.binding.instance import CO_SIMULATION, DISCARD, FmuInstance
+from harness.participants.grid import is_close
 from harness.simulation.clocks import Clocks
 from harness.simulation.cvode import Cvode
 from harness.simulation.events import EventHandler, EventOutcome
-from harness.simulation.grid import is_close
 from harness.simulation.outputs import Recorder
 from harness.simulation.settings import SOLVER_TOLERANCE
 

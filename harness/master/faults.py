@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.clock import show, to_seconds
 from harness.compiler import operations as op
 from harness.compiler.operations import INSTANT, OPERATION, RETURNED
-from harness.errors import HarnessError, SimulationError
+from harness.errors import EndRequestedError, HarnessError, SimulationError
 from harness.fmi.binding.instance import DISCARD, FATAL
 from harness.fmi.binding.logger import STATUS_NAMES
 from harness.master.plan.actions import (
@@ -32,11 +32,7 @@ from harness.participants.python import PythonParticipant
 from harness.system.lowering import rate_of
 
 
-class EndRequestedError(SimulationError):
-    """An FMU asked for the end of the run before its stop time; no call failed."""
-
-
-def explain(program: Program, outcome: int) -> SimulationError:
+def explain(program: Program, outcome: int) -> HarnessError:
     """The fault behind `outcome` of the loop; an exception of a Python block is its cause.
 
     What Ctrl-C or `sys.exit` raised inside a Python block is raised again as it is.
@@ -57,10 +53,11 @@ def explain(program: Program, outcome: int) -> SimulationError:
         return SimulationError(_not_finite(program, name, when))
     if outcome == op.OUT_OF_RANGE:
         return SimulationError(_out_of_range(program, when))
-    mover = program.participants.get(name)
-    if mover is not None and mover.fault is not None:
-        return _own_fault(program, mover, now, when)
     status = int(program.clock[RETURNED])
+    mover = program.participants.get(name)
+    fault = None if mover is None or outcome != op.STATUS else mover.explained(status)
+    if mover is not None and fault is not None:
+        return _own_fault(program, mover, fault, now, when)
     instance = program.fmus[_fmu_of(program, action)].instance
     if status == FATAL:
         instance.mark_dead()
@@ -157,10 +154,11 @@ def _converted(program: Program, row: NDArray[np.int64]) -> tuple[int, float]:
     return int(copies[i, 1]), float(scales[i, 0]) * value + float(scales[i, 1])
 
 
-def _own_fault(program: Program, mover: Participant, now: int, when: str) -> SimulationError:
+def _own_fault(
+    program: Program, mover: Participant, fault: BaseException, now: int, when: str
+) -> HarnessError:
     """What ended a call of a participant that is not one function of an FMU."""
-    fault = mover.fault
-    if fault is not None and not isinstance(fault, Exception):
+    if not isinstance(fault, Exception):
         raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
     if isinstance(fault, HarnessError) and not isinstance(mover, PythonParticipant):
         raise fault

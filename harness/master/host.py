@@ -21,10 +21,13 @@ Rows = NDArray[np.float64]
 
 
 class Host:
-    """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows."""
+    """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows;
+    long steps tell their time (s) in `reached`, and look into `stop_asked` whether to end."""
 
     def __init__(self) -> None:
         self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)
+        self.reached: NDArray[np.float64] | None = None
+        self.stop_asked: NDArray[np.int64] | None = None
         self._times: Times = np.empty(0)
         self._rows: Rows = np.empty((0, 0))
 

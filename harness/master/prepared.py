@@ -20,7 +20,8 @@ from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.master.plan.planner import Plan
-from harness.master.run import Progress, columns_of, execute, opened, plan_system
+from harness.master.recorded import columns_of
+from harness.master.run import Progress, execute, opened, plan_system
 from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording

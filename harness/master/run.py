@@ -10,10 +10,9 @@ have been handed to the recorder.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Protocol
 
 import numpy as np
@@ -21,25 +20,24 @@ from numpy.typing import NDArray
 
 from harness.compiler import operations as op
 from harness.compiler.operations import CYCLE, INSTANT, ROWS
-from harness.errors import GraphError, HarnessError, SimulationError, nearest
+from harness.errors import EndRequestedError, HarnessError
 from harness.fmi.binding.logger import LogMessage
-from harness.fmi.description.model_description import NUMERIC_TYPES, ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.instruments.source import named_seed
 from harness.master import host as hosts
-from harness.master.faults import EndRequestedError, explain
+from harness.master.faults import explain
 from harness.master.host import Host
 from harness.master.plan.planner import Plan, make_plan
 from harness.master.program.link import Program, link
 from harness.master.program.loop import run_cycles
+from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
 from harness.participants.participant import Participant
 from harness.participants.signal import SignalParticipant
-from harness.results.columns import Column
 from harness.system.arrays import expand_arrays
-from harness.system.check import check, inputs_of, outputs_of
-from harness.system.graph import Endpoint, FmuComponent, System
+from harness.system.check import check
+from harness.system.graph import Endpoint, System
 from harness.system.lowering import DelayComponent, lower
 
 _FIRST_CHUNK = 64
@@ -52,6 +50,9 @@ Progress = Callable[[float], None]
 
 class Recorder(Protocol):
     """Receives rows as they come."""
+
+    def add_texts(self, new: Sequence[str | bytes]) -> None:
+        """Strings and binaries that rows may name from now on, by their number."""
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """Times (s, shape (n,)) and rows (n, columns); both are only valid during the call."""
@@ -91,63 +92,6 @@ def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...]
     return make_plan(lower(system, descriptions), descriptions, recorded)
 
 
-def recorded_ports(
-    system: System, descriptions: Mapping[str, ModelDescription], patterns: tuple[str, ...]
-) -> tuple[Endpoint, ...]:
-    """FMU outputs and connected inputs, block inputs and outputs that match a pattern.
-
-    A pattern with no wildcard may also name any local variable of an FMU, or an array, which is
-    recorded element by element. Raises `GraphError`
-    where a pattern matches nothing.
-    """
-    wired = {c.target for c in system.connections}
-    offered: list[Endpoint] = []
-    exact: list[Endpoint] = []
-    for c in system.components:
-        readable = [Endpoint(c.name, name) for name in outputs_of(c, descriptions)]
-        inputs = [Endpoint(c.name, name) for name in inputs_of(c, descriptions)]
-        if isinstance(c, FmuComponent):
-            d = descriptions[c.name]
-            ports = map(d.port, [*d.variables, *d.elements])
-            kinds = {v.name for v in ports if v.type in NUMERIC_TYPES and not v.shape}
-            exact += [end for end in readable if end.variable in kinds]
-            causal = {name for v in d.outputs for name in d.whole(v.name)}
-            readable = [e for e in readable if e.variable in causal and e.variable in kinds]
-            inputs = [end for end in inputs if end in wired]
-        offered += [*readable, *inputs]
-    chosen: dict[Endpoint, None] = {}
-    for pattern in patterns:
-        every = [*offered, *exact]
-        found = [end for end in every if pattern in (str(end), str(end).partition("[")[0])]
-        found = found or [end for end in offered if fnmatchcase(str(end), pattern)]
-        if not found:
-            hint = nearest(pattern, [str(end) for end in [*offered, *exact]])
-            raise GraphError(f"nothing to record matches {pattern!r}; {hint}")
-        chosen.update(dict.fromkeys(found))
-    return tuple(chosen)
-
-
-def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
-    """What the columns of a recorded row are; an input without a unit has that of its source."""
-    descriptions = {name: fmu.description for name, fmu in fmus.items()}
-    system = plan.lowered.system
-    sources = {c.target: c.source for c in system.connections}
-    ports = {
-        Endpoint(c.name, name): info
-        for c in system.components
-        for known in (inputs_of(c, descriptions), outputs_of(c, descriptions))
-        for name, info in known.items()
-    }
-
-    def unit_of(end: Endpoint, hops: int = 8) -> str:
-        unit = ports[end].unit
-        if unit is None and end in sources and hops:
-            return unit_of(sources[end], hops - 1)
-        return unit.name if unit is not None else ""
-
-    return tuple(Column(str(end), unit_of(end), ports[end].description) for end in plan.recorded)
-
-
 def execute(
     plan: Plan,
     fmus: Mapping[str, Fmu],
@@ -165,8 +109,9 @@ def execute(
     began = time.perf_counter()
     system = plan.lowered.system
     verbose = echo is not None if logging is None else logging
-    around = Around(verbose, echo, system.ticks_per_second)
-    run = _Run(plan, fmus, recorder, host or hosts.usual(), around)
+    host = host or hosts.usual()
+    around = Around(verbose, echo, system.ticks_per_second, host.reached, host.stop_asked)
+    run = _Run(plan, fmus, recorder, host, around)
     fault: HarnessError | None = None
     with ExitStack() as stack:
         try:
@@ -224,6 +169,8 @@ class _Run:
         program = link(self.plan, self.participants, descriptions, self.host.clock)
         self.program = program
         self.host.linked(program)
+        self.recorder.add_texts(program.memory.texts.entries)
+        program.memory.texts.added = lambda text: self.recorder.add_texts([text])
         for signal in program.signals:
             first = signal.source.sampler(named_seed(system.seed, signal.name))
             value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
@@ -241,7 +188,7 @@ class _Run:
         for participant in self.participants.values():
             participant.leave_initialization(start)
 
-    def loop(self, progress: Progress | None) -> SimulationError | None:
+    def loop(self, progress: Progress | None) -> HarnessError | None:
         """Run all cycles, chunk by chunk; what ended them early."""
         assert self.program is not None
         program, host = self.program, self.host

@@ -8,7 +8,7 @@ the two runs is when it got there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -224,6 +224,9 @@ class _Rows:
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         self.chunks.append((times.copy(), rows.copy()))
+
+    def add_texts(self, new: Sequence[str | bytes]) -> None:
+        """Of no use here: what is measured is a number."""
 
 
 def _run(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.compiler import operations as op
 from harness.errors import FmuError
@@ -29,11 +30,14 @@ _KINDS: dict[InterfaceType, type[FmuParticipant]] = {}
 @dataclass(frozen=True)
 class Around:
     """What a run gives to its FMUs: whether and where they log, the number of ticks in a second,
-    and who records a row at an event inside a step."""
+    where to tell the time inside of long steps (s, shape (1,)), and where to look whether to end
+    them (shape (1,))."""
 
     logging: bool = False
     echo: Callable[[str, LogMessage], None] | None = None
     ticks_per_second: int = 1_000_000_000
+    reached: NDArray[np.float64] | None = None
+    stop_asked: NDArray[np.int64] | None = None
 
 
 class FmuParticipant(Participant):
@@ -100,6 +104,10 @@ class FmuParticipant(Participant):
             self.instance.free_state(ctypes.c_void_p(int(self._place[0])))
         self._place[0] = 0
         self.instance.free()
+
+    def explained(self, status: int) -> BaseException | None:
+        """What Python has found, also in an access to texts."""
+        return self.fault or self.access.fault
 
     # rows
 

@@ -32,7 +32,7 @@ class Participant:
     """The default of every call: nothing is done, and no row is needed."""
 
     fault: BaseException | None = None
-    """What ended a call of this participant that was no call of an FMU."""
+    """What ended a call of this participant, where it came from Python."""
     notes: tuple[str, ...] = ()
     """What had to be derived, left out or done otherwise in this run."""
 
@@ -77,6 +77,10 @@ class Participant:
     def slopes(self, inputs: Sequence[str], slots: Sequence[int]) -> Iterator[Row]:
         """Take the derivatives of inputs (per s) from slots that lie side by side."""
         return iter(())
+
+    def explained(self, status: int) -> BaseException | None:
+        """What that status of a call of this participant means, where it is no plain status."""
+        return self.fault
 
     def terminate(self) -> None:
         """End the simulation."""

@@ -60,8 +60,9 @@ class Marker:
         self._numbers: NDArray[np.int64] = np.frombuffer(self._memory, dtype=np.int64)[:16]
         self.clock: NDArray[np.int64] = self._numbers[:CLOCK_SIZE]
         self._cells = memoryview(self._memory).cast("q")  # the same numbers, quicker one by one
-        self._time: NDArray[np.float64] = self._numbers[_TIME : _TIME + 1].view(np.float64)
-        self._time[0] = np.nan
+        self.time: NDArray[np.float64] = self._numbers[_TIME : _TIME + 1].view(np.float64)
+        self.time[0] = np.nan
+        self.stop: NDArray[np.int64] = self._numbers[_STOP : _STOP + 1]
 
     # the worker's side
 
@@ -75,7 +76,7 @@ class Marker:
 
     def reached(self, time: float) -> None:
         """Note the time (s) that a simulation outside the loop has reached."""
-        self._time[0] = time
+        self.time[0] = time
 
     def looping(self, inside: bool) -> None:
         """Note that the loop runs, or does not."""
@@ -116,7 +117,7 @@ class Marker:
         component, _, rest = text.partition("\0")
         place = int(self._numbers[_PLACE])
         outside = place == CALLING
-        reached = float(self._time[0])
+        reached = float(self.time[0])
         return Where(
             place,
             int(self._numbers[_SEQUENCE]),

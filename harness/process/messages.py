@@ -71,6 +71,13 @@ class Chunk:
 
 
 @dataclass(frozen=True)
+class Texts:
+    """Strings and binaries that rows may name from now on."""
+
+    new: tuple[str | bytes, ...]
+
+
+@dataclass(frozen=True)
 class Checkpoint:
     """The state after all chunks told so far."""
 

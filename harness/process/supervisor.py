@@ -31,6 +31,7 @@ from harness.process.messages import (
     Planned,
     Printed,
     Room,
+    Texts,
     unpacked,
 )
 from harness.process.warm import warm_up
@@ -116,6 +117,8 @@ class _RunWatch(Watch):
                 self.record(message.rows)
                 self.chunk, self.taken = message.number + 1, 0
                 worker.tell(message.number)
+            case Texts() if self.recording is not None:
+                self.recording.add_texts(message.new)
             case Checkpoint() if self.recording is not None:
                 self.save(self.recording, message.content)
             case Heard():
@@ -129,7 +132,7 @@ class _RunWatch(Watch):
 
     def take_late(self, worker: WorkerProcess, message: Any) -> None:
         """What tells of rows and words still counts."""
-        if isinstance(message, (Chunk, Printed, Checkpoint)):
+        if isinstance(message, (Chunk, Printed, Checkpoint, Texts)):
             self.take(worker, message)
 
     def save(self, recording: Recording, content: bytes) -> None:
@@ -154,8 +157,10 @@ class _RunWatch(Watch):
         self.taken = there
 
     def see(self, where: Where) -> None:
-        """Take rows that are there, show progress."""
-        self.record(self.marker.rows(self.chunk) - 1)  # the newest may be half written
+        """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
+        when all of their texts have come."""
+        if self.recording is not None and not any(c.dtype is None for c in self.recording.columns):
+            self.record(self.marker.rows(self.chunk) - 1)  # the newest may be half written
         if self.progress is not None and self.calls.linked is not None:
             self.progress(min(1.0, where.cycle / self.calls.linked.cycles))
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from threading import Lock
@@ -27,7 +27,8 @@ from harness.master.host import Host, Rows, Times
 from harness.master.plan.planner import Plan
 from harness.master.prepared import check_needed
 from harness.master.program.link import Program
-from harness.master.run import columns_of, execute, opened, plan_system
+from harness.master.recorded import columns_of
+from harness.master.run import execute, opened, plan_system
 from harness.process.checkpoint import differences, made_of, restore, take, why_not
 from harness.process.loops import linked_program
 from harness.process.marker import Marker, RowMemory
@@ -39,6 +40,7 @@ from harness.process.messages import (
     Job,
     Planned,
     Room,
+    Texts,
     packed,
 )
 from harness.process.task import Forward, StopAskedError
@@ -85,6 +87,7 @@ class _Watched(Host):
 
     def __init__(self, job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
         self.clock = marker.clock
+        self.reached, self.stop_asked = marker.time, marker.stop
         self._job = job
         self._connection = connection
         self._marker = marker
@@ -150,6 +153,10 @@ class _Watched(Host):
         self._begun += 1
         self._marker.begin_chunk(self._begun)
         return self._memory.times[half], self._memory.values[half]
+
+    def add_texts(self, new: Sequence[str | bytes]) -> None:
+        """Tell them before the rows that name them are there."""
+        self.tell(Texts(tuple(new)))
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """A chunk is done; its rows are where the supervisor finds them."""

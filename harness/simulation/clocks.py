@@ -17,7 +17,7 @@ from fractions import Fraction
 from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import ModelDescription
-from harness.simulation.grid import Grid, exact
+from harness.participants.grid import Grid, exact
 from harness.simulation.inputs import Track
 
 _PERIODIC = ("constant", "fixed", "tunable", "calculated")

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 from harness.errors import FmuError, SimulationError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
+from harness.participants.grid import Grid, is_close
 from harness.simulation.clocks import Clocks
 from harness.simulation.events import EventHandler
-from harness.simulation.grid import Grid, is_close
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 from harness.simulation.retry import MOST_HALVINGS, Stepper

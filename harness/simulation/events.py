@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from harness.errors import SimulationError
 from harness.fmi.binding.instance import FmuInstance
+from harness.participants.grid import is_close
 from harness.simulation.clocks import Clocks
-from harness.simulation.grid import is_close
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 

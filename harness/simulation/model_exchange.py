@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from harness.errors import FmuError, HarnessError, SimulationError
 from harness.fmi.binding.continuous import ContinuousPart
 from harness.fmi.binding.instance import DISCARD, FmuInstance
+from harness.participants.grid import Grid
 from harness.simulation.clocks import Clocks
 from harness.simulation.cvode import Cvode
 from harness.simulation.events import EventHandler, EventOutcome
-from harness.simulation.grid import Grid
 from harness.simulation.inputs import Inputs
 from harness.simulation.outputs import Recorder
 from harness.simulation.settings import SOLVER_TOLERANCE, Settings

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from harness.errors import UsageError
 from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE, InterfaceType, capabilities
 from harness.fmi.description.model_description import ModelDescription
-from harness.simulation.grid import exact
+from harness.participants.grid import exact
 
 SOLVER_TOLERANCE = 1e-6
 SOLVERS = ("cvode", "euler")

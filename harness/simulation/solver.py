@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import SimulationError
-from harness.simulation.grid import Grid, is_close
+from harness.participants.grid import Grid, is_close
 
 Array = NDArray[np.float64]
 Derivatives = Callable[[float, int, int], int]

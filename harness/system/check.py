@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from harness.clock import show
-from harness.errors import GraphError, UnitError, nearest
+from harness.errors import GraphError, HarnessError, UnitError, nearest
 from harness.fmi.description.model_description import (
     NUMERIC_TYPES,
     REAL_TYPES,
@@ -31,6 +31,7 @@ from harness.system.graph import (
     SensitivityComponent,
     System,
 )
+from harness.system.policy import interface_of
 from harness.system.start_values import start_value_faults
 from harness.system.units import Unit, conversion, parse_unit
 
@@ -116,8 +117,10 @@ def _convergence_faults(convergence: Convergence) -> Iterator[str]:
 
 
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
-    if d.co_simulation is None:
-        yield f"component {component.name}: FMU {component.path} offers no co-simulation"
+    try:
+        interface_of(component, d)
+    except HarnessError as fault:
+        yield f"component {component.name}: {fault}"
     tolerance = component.policy.tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"

@@ -149,7 +149,8 @@ class System:
     what they reach). `algebraic_loops` says whether loops of direct feedthrough are an error
     ("refuse") or solved ("solve"); the iterative algorithm always solves them. `convergence` is
     that of both. A row is recorded every `record_ns`. All times are whole ticks: nanoseconds, or
-    parts of them where an FMU's own step is no whole number of nanoseconds.
+    parts of them where an FMU's own step is no whole number of nanoseconds. `single`: the one FMU
+    is all there is, so the run is its own: columns bear the names of its variables.
     """
 
     components: tuple[Component, ...]
@@ -162,6 +163,7 @@ class System:
     algebraic_loops: str = "refuse"
     convergence: Convergence = Convergence()
     ticks_per_second: int = NANOSECONDS
+    single: bool = False
 
     def seconds(self, ticks: int) -> float:
         """The double nearest to an instant, in seconds."""

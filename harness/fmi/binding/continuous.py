@@ -40,7 +40,8 @@ class ContinuousPart:
         self.get_states = self._vector("GetContinuousStates", self.nx)
         self.get_derivatives = self._vector(_NAMES["derivatives"][version], self.nx)
         self.get_indicators = self._vector("GetEventIndicators", self.nz)
-        self._nominal_name = _NAMES["nominals"][version]
+        self.derivatives_name = _NAMES["derivatives"][version]
+        self.nominals_name = _NAMES["nominals"][version]
 
     def _bind(self, name: str, *types: Any) -> Any:
         prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
@@ -82,7 +83,7 @@ class ContinuousPart:
     def stated_nominals(self) -> NDArray[np.float64]:
         """The nominal values as the FMU states them, shape (nx,): legal or not."""
         nominal = np.ones(self.nx)
-        name = self._nominal_name
+        name = self.nominals_name
         if self.nx and self.instance.offers(name):
             status = self._vector(name, self.nx)(nominal.ctypes.data)
             self.instance.check(status, name)

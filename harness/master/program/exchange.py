@@ -13,10 +13,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from harness.compiler import operations as op
-from harness.compiler.machine_code import cached
+from harness.compiler.machine_code import compiled
 
 _SINGLE = 2.0**128 * (1.0 - 2.0**-25)  # from here on the nearest float32 is infinity
 _LOWEST = (
@@ -34,8 +33,7 @@ _BOOLEAN = tuple(kind in (op.BOOL8, op.BOOL32) for kind in range(len(_SIZE)))
 _SIGNED = tuple(kind in (op.INT8, op.INT16, op.INT32, op.INT64) for kind in range(len(_SIZE)))
 
 
-@cached
-@njit(nogil=True)  # type: ignore[untyped-decorator]
+@compiled
 def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> bool:
     """Write slots first..last-1 of `v` as C numbers of `kind` from byte `start` of `exchange`.
 
@@ -60,8 +58,7 @@ def encode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) 
     return True
 
 
-@cached
-@njit(nogil=True)  # type: ignore[untyped-decorator]
+@compiled
 def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) -> None:
     """Read C numbers of `kind` from byte `start` of `exchange` into slots first..last-1 of `v`."""
     place, size = start, _SIZE[kind]
@@ -83,8 +80,7 @@ def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) 
             v[slot] = float(bits)
 
 
-@cached
-@njit(nogil=True)  # type: ignore[untyped-decorator]
+@compiled
 def convert(copies: Any, scales: Any, v: Any, wide: Any, first: int, last: int) -> bool:
     """Copy entries first..last-1 of the table, each by its conversion; `wide` are the cells of `v`
     as int64. False where a number does not fit: it is the first whose target was left alone."""

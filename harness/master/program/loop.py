@@ -14,19 +14,17 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from harness.compiler import operations as op
 from harness.compiler.calls import call_status, load_int64
-from harness.compiler.machine_code import cached
+from harness.compiler.machine_code import compiled
 from harness.compiler.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
 from harness.master.program.exchange import convert, decode, encode
 
 _WARNING = 1  # the highest FMI status with which a run goes on
 
 
-@cached
-@njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@compiled
 def run_cycles(
     program: Any, instants: Any, span: Any, clock: Any, v: Any, copies: Any, scales: Any,
     samples: Any, cursors: Any, exchange: Any, recorded: Any, rows: Any, row_times: Any,

@@ -18,6 +18,9 @@ class Rows:
         self.columns, self.cells = columns, cells
         self.chunks: list[tuple[np.ndarray, np.ndarray]] = []
 
+    def add_texts(self, new: list[str | bytes]) -> None:
+        self.texts = [*getattr(self, "texts", []), *new]
+
     def append(self, times: np.ndarray, rows: np.ndarray) -> None:
         kept = rows.copy()
         for i, cell in enumerate(self.cells):

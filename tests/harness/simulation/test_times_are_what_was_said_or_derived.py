@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
-from harness.simulation.grid import Grid
+from harness.participants.grid import Grid
 from harness.simulation.settings import Request, Settings, derived, settle
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 

@@ -36,6 +36,11 @@ class Grid:
         """The grid of two decimal numbers."""
         return Grid(exact(start), exact(step))
 
+    @property
+    def parts(self) -> tuple[int, int, int]:
+        """Start and step as integers over one denominator, the third."""
+        return self._parts
+
     def at(self, k: int) -> float:
         """The k-th instant."""
         first, step, whole = self._parts
