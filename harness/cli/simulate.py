@@ -152,7 +152,7 @@ def _recorded(opened: Fmu, reference: Path) -> list[str]:
 
 
 def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:
-    from harness.simulation.start_values import parse_assignment
+    from harness.fmi.start_values import parse_assignment
 
     return dict(parse_assignment(opened.description, text) for text in texts)
 

@@ -20,7 +20,14 @@ from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.master.plan.planner import Plan
-from harness.master.run import Progress, columns_of, execute, opened, plan_system
+from harness.master.run import (
+    Progress,
+    columns_of,
+    descriptions_of,
+    execute,
+    opened,
+    plan_system,
+)
 from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
@@ -114,6 +121,13 @@ def _changed(
     for name in start_values:
         if name not in legal:
             raise UsageError(f"start values of {name!r}, which is no FMU; {nearest(name, legal)}")
+        sizes = {v.name for v in fmus[name].description.variables.values()
+                 if v.causality == "structuralParameter"}  # fmt: skip
+        for variable in sizes & set(start_values[name]):
+            raise UsageError(
+                f"structural parameter {name}.{variable} changes the sizes of arrays, so it cannot "
+                "change from run to run of one plan; give it to the system itself"
+            )
 
     def moved(component: Component) -> Component:
         if isinstance(component, FmuComponent) and component.name in start_values:
@@ -127,7 +141,7 @@ def _changed(
         seed=lowered.system.seed if seed is None else seed,
     )
     if start_values:
-        check(system, {name: fmu.description for name, fmu in fmus.items()})
+        check(system, descriptions_of(system, fmus))
     components = tuple(map(moved, lowered.components))
     return replace(plan, lowered=replace(lowered, system=system, components=components))
 

@@ -25,6 +25,7 @@ from harness.errors import GraphError, HarnessError, SimulationError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.description.model_description import NUMERIC_TYPES, ModelDescription
 from harness.fmi.fmu import Fmu
+from harness.fmi.start_values import configured
 from harness.instruments.source import named_seed
 from harness.master import host as hosts
 from harness.master.faults import EndRequestedError, explain
@@ -82,9 +83,14 @@ def opened(system: System) -> Iterator[dict[str, Fmu]]:
         yield {c.name: by_path[str(c.path)] for c in system.fmus}
 
 
+def descriptions_of(system: System, fmus: Mapping[str, Fmu]) -> dict[str, ModelDescription]:
+    """What the FMUs say of themselves, arrays with the sizes that start values give them."""
+    return {c.name: configured(fmus[c.name].description, c.start_values) for c in system.fmus}
+
+
 def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
     """Check, lower and plan; `record` are patterns of the signals to record."""
-    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    descriptions = descriptions_of(system, fmus)
     system = expand_arrays(system, descriptions)
     check(system, descriptions)
     recorded = recorded_ports(system, descriptions, record)
@@ -129,7 +135,7 @@ def recorded_ports(
 
 def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     """What the columns of a recorded row are; an input without a unit has that of its source."""
-    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    descriptions = descriptions_of(plan.lowered.system, fmus)
     system = plan.lowered.system
     sources = {c.target: c.source for c in system.connections}
     ports = {
@@ -220,7 +226,7 @@ class _Run:
         start, stop = system.seconds(system.start_ns), system.seconds(system.stop_ns)
         for participant in self.participants.values():
             participant.enter_initialization(start, stop)
-        descriptions = {name: fmu.description for name, fmu in self.fmus.items()}
+        descriptions = descriptions_of(system, self.fmus)
         program = link(self.plan, self.participants, descriptions, self.host.clock)
         self.program = program
         self.host.linked(program)

@@ -15,13 +15,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 from warnings import warn
 
-from harness.errors import ExperimentError, HarnessError
-from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.errors import ExperimentError, HarnessError, UsageError
+from harness.fmi.start_values import configured, find_target, judge_start_values
 from harness.ssp.change import Items
 from harness.ssp.document import ParameterBinding
 from harness.ssp.flatten import FlatWire, change_along
-from harness.ssp.lexical import read_boolean, read_double, read_integer
-from harness.ssp.parameter_values import Scalar, Value, bound_values
+from harness.ssp.parameter_values import Value, bound_values
 from harness.ssp.ports import Node, Ports
 from harness.ssp.tree import FmuNode, Scope, SystemNode, Tree, TreePath
 
@@ -54,11 +53,26 @@ def start_values(
                 given = _Bound(value, (-len(node.path), order), f"{place}: {name}")
                 _give(bound, tree, ports, node, name, given)
     _propagate(bound, wires, ports)
-    found: dict[TreePath, dict[str, Any]] = {}
-    for end, given in bound.items():
-        if end.path in tree.fmu_at and not end.dictionary:
-            found.setdefault(end.path, {})[end.name] = _start_value(end, given, ports)
+    ends = [end for end in bound if end.path in tree.fmu_at and not end.dictionary]
+    raw: dict[TreePath, dict[str, Any]] = {}
+    for end in ends:
+        raw.setdefault(end.path, {})[end.name] = _content(bound[end], ports.port(end, "").items)
+    found: dict[TreePath, dict[str, Any]] = {path: {} for path in raw}
+    for end in ends:
+        d = configured(ports.describe(tree.fmu_at[end.path].source), raw[end.path])
+        single = {end.name: raw[end.path][end.name]}
+        try:
+            judged = judge_start_values(d, single, component=".".join(end.path))
+        except UsageError as fault:
+            raise ExperimentError(f"{bound[end].place}: {fault}") from fault
+        found[end.path] |= single | {k: v for k, v in judged.told.items() if k in single}
     return found
+
+
+def _content(given: _Bound, items: Items | None) -> Any:
+    names = given.value.items or items or {}
+    made = [names.get(one, one) if isinstance(one, str) else one for one in given.value.content]
+    return made[0] if len(made) == 1 and not given.value.array else made
 
 
 def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
@@ -92,7 +106,7 @@ def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node
         if isinstance(one, SystemNode):
             known = one.element.connector(rest) is not None
         else:
-            known = rest in ports.describe(one.source).variables
+            known = find_target(ports.describe(one.source), rest) is not None
         if known:
             yield Node(one.path, rest)
 
@@ -115,30 +129,3 @@ def _propagate(bound: Bound, wires: tuple[FlatWire, ...], ports: Ports) -> None:
             except HarnessError as fault:
                 raise ExperimentError(f"{given.place}: {fault}") from fault
             break
-
-
-def _start_value(end: Node, given: _Bound, ports: Ports) -> Any:
-    port = ports.port(end, given.place)
-    assert port.variable is not None
-    items = given.value.items or port.items
-    try:
-        made = [_as_type(one, port.variable, items) for one in given.value.content]
-    except ValueError as fault:
-        raise ExperimentError(f"{given.place}: a value for {end} is {fault}") from fault
-    return made[0] if len(made) == 1 and not given.value.array else made
-
-
-def _as_type(value: Scalar, variable: Variable, items: Items | None) -> Scalar:
-    """A value as the variable's type takes it; raises ValueError with what it is not."""
-    kind = variable.type
-    if kind in REAL_TYPES:
-        return read_double(value) if isinstance(value, str) else float(value)
-    if kind == "Boolean":
-        return read_boolean(value) if isinstance(value, str) else bool(value)
-    if kind in INTEGER_TYPES:
-        if isinstance(value, str):
-            return items[value] if items and value in items else read_integer(value)
-        if value != int(value):
-            raise ValueError(f"no whole number, as type {kind} demands, but {value!r}")
-        return int(value)
-    return str(value)

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from math import isfinite
 
 from harness.clock import show
-from harness.errors import GraphError, UnitError, nearest
+from harness.errors import GraphError, UnitError, UsageError, nearest
 from harness.fmi.description.model_description import (
     NUMERIC_TYPES,
     REAL_TYPES,
     ModelDescription,
     Variable,
 )
+from harness.fmi.start_values import judge_start_values
 from harness.system.graph import (
     ALGEBRAIC_LOOPS,
     ALGORITHMS,
@@ -31,7 +32,6 @@ from harness.system.graph import (
     SensitivityComponent,
     System,
 )
-from harness.system.start_values import start_value_faults
 from harness.system.units import Unit, conversion, parse_unit
 
 Descriptions = Mapping[str, ModelDescription]
@@ -121,7 +121,15 @@ def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     tolerance = component.policy.tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
-    yield from start_value_faults(component.name, component.start_values, d)
+    try:
+        judge_start_values(
+            d,
+            component.start_values,
+            component=component.name,
+            validate=component.policy.validate,
+        )
+    except UsageError as faults:
+        yield str(faults)
 
 
 def _sensitivity_faults(

@@ -152,6 +152,24 @@ class ModelDescription:
         array = self.elements[name][0] if name in self.elements else self.variables.get(name)
         return element_names(array) if array is not None and array.shape else (name,)
 
+    def sizes(self, array: Variable) -> tuple[int, ...]:
+        """The sizes of an array by the structural parameters; () for a scalar."""
+        return tuple(
+            one if isinstance(one, int) else int(self.variables[one].start or 0)
+            for one in array.dimensions
+        )
+
+    def configured(self, structural: Mapping[str, int]) -> ModelDescription:
+        """With other values of structural parameters, and arrays of the sizes that follow."""
+        starts = {n: replace(self.variables[n], start=str(v)) for n, v in structural.items()}
+        other = replace(self, variables={**self.variables, **starts})
+        resized = {
+            v.name: replace(v, shape=other.sizes(v), size=prod(other.sizes(v)))
+            for v in self.variables.values()
+            if set(v.dimensions) & set(structural)
+        }
+        return replace(other, variables={**other.variables, **resized}) if structural else self
+
     def variable(self, name: str) -> Variable:
         """The variable of that name; raises `FmuError` with the nearest legal names."""
         try:

@@ -12,15 +12,14 @@ counts; where 0 is meant against the FMU's start value, `start_values` of the co
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from harness.fmi.description.model_description import ModelDescription
+from harness.fmi.start_values import StartValues, judge_start_values
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import whole
 from harness.system.check import inputs_of
 from harness.system.graph import (
     BlockComponent,
-    Component,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -31,8 +30,20 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
     """The value of every port of what is no FMU, before anything has been computed, and of the
     elements of FMU inputs."""
     lowered = plan.lowered
+    judged = {
+        c.name: judge_start_values(
+            descriptions[c.name], c.start_values, component=c.name, validate=False
+        )
+        for c in lowered.fmus
+    }
+
+    def input_start(end: Endpoint) -> float:
+        known = inputs_of(lowered.system.component(end.component), descriptions)
+        given = _given(judged[end.component], descriptions[end.component], end.variable)
+        return known[end.variable].start if given is None else given
+
     elements = {
-        end: _input_start(lowered.system.component(end.component), end.variable, descriptions)
+        end: input_start(end)
         for end in whole(plan.written, descriptions)
         if end.variable in descriptions[end.component].elements
     }
@@ -49,22 +60,13 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
         is_block = isinstance(block, (BlockComponent, PythonComponent))
         if is_block and isinstance(driven, FmuComponent) and values[source] == 0.0:
             factor, offset = scales[target]
-            start = _input_start(driven, target.variable, descriptions)
-            taken.setdefault(source, (start - offset) / factor)
+            taken.setdefault(source, (input_start(target) - offset) / factor)
     return values | taken | elements
 
 
-def _input_start(
-    component: Component, name: str, descriptions: Mapping[str, ModelDescription]
-) -> float:
-    assert isinstance(component, FmuComponent)
-    given: Any = component.start_values.get(name)
-    array, place = descriptions[component.name].elements.get(name, (None, 0))
-    if array is not None and array.name in component.start_values:
-        given = component.start_values[array.name][place]
-    if isinstance(given, (bool, int, float)):
-        return float(given)
-    if isinstance(given, str):
-        text = given.lower()
-        return float({"true": "1", "false": "0"}.get(text, text))
-    return inputs_of(component, descriptions)[name].start
+def _given(judged: StartValues, d: ModelDescription, name: str) -> float | None:
+    told = judged.told
+    array, place = d.elements.get(name, (None, 0))
+    if array is not None and array.name in told:
+        return float(told[array.name][place])
+    return float(told[name]) if name in told else None
