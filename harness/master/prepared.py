@@ -121,13 +121,6 @@ def _changed(
     for name in start_values:
         if name not in legal:
             raise UsageError(f"start values of {name!r}, which is no FMU; {nearest(name, legal)}")
-        sizes = {v.name for v in fmus[name].description.variables.values()
-                 if v.causality == "structuralParameter"}  # fmt: skip
-        for variable in sizes & set(start_values[name]):
-            raise UsageError(
-                f"structural parameter {name}.{variable} changes the sizes of arrays, so it cannot "
-                "change from run to run of one plan; give it to the system itself"
-            )
 
     def moved(component: Component) -> Component:
         if isinstance(component, FmuComponent) and component.name in start_values:
@@ -141,7 +134,13 @@ def _changed(
         seed=lowered.system.seed if seed is None else seed,
     )
     if start_values:
-        check(system, descriptions_of(system, fmus))
+        descriptions = descriptions_of(system, fmus)
+        check(system, descriptions)
+        if descriptions != descriptions_of(lowered.system, fmus):
+            raise UsageError(
+                "start values that change the sizes of arrays cannot differ between runs of one "
+                "plan; give them to the system itself"
+            )
     components = tuple(map(moved, lowered.components))
     return replace(plan, lowered=replace(lowered, system=system, components=components))
 

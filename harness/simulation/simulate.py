@@ -119,7 +119,7 @@ class _Job:
                     "the FMU's clocks never tick: co-simulation is done without event mode"
                 )
             apply_start_values(instance, judged)
-            tracks = read_inputs(d, self.inputs, notes, instance.count)
+            tracks = read_inputs(instance.description, self.inputs, notes)
             clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
             recorder = Recorder(instance, chosen)
             kind = CoSimulation if stepping else ModelExchange

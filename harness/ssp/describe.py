@@ -141,12 +141,7 @@ def _parameters(
 
 
 def _value(tag: str, kind: str, given: list[Any]) -> ParameterValue:
-    if kind in REAL_TYPES:
-        return ParameterValue(tag=tag, value=" ".join(write_double(one) for one in given))
-    if kind in INTEGER_TYPES:
-        return ParameterValue(tag=tag, value=" ".join(str(int(one)) for one in given))
-    if kind == "Boolean":
-        return ParameterValue(tag=tag, value=" ".join(write_boolean(bool(one)) for one in given))
-    if len(given) == 1:
-        return ParameterValue(tag=tag, value=str(given[0]))
-    return ParameterValue(tag=tag, items=tuple(ValueItem(value=str(one)) for one in given))
+    if kind == "String" and len(given) > 1:
+        return ParameterValue(tag=tag, items=tuple(ValueItem(value=one) for one in given))
+    write = write_double if kind in REAL_TYPES else write_boolean if kind == "Boolean" else str
+    return ParameterValue(tag=tag, value=" ".join(map(write, given)))

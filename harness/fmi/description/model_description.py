@@ -14,7 +14,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from harness.errors import FmuError, nearest
+from harness.errors import FmuError, UsageError, nearest
 from harness.fmi.description.details import (
     Details,
     DisplayUnit,
@@ -29,6 +29,7 @@ from harness.system.units import Unit
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
 INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
 REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
+MAX_ELEMENTS = 10**7
 NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 
 
@@ -160,7 +161,10 @@ class ModelDescription:
         )
 
     def configured(self, structural: Mapping[str, int]) -> ModelDescription:
-        """With other values of structural parameters, and arrays of the sizes that follow."""
+        """With other values of structural parameters, and arrays of the sizes that follow.
+
+        Raises `UsageError` for an array of more than `MAX_ELEMENTS`.
+        """
         starts = {n: replace(self.variables[n], start=str(v)) for n, v in structural.items()}
         other = replace(self, variables={**self.variables, **starts})
         resized = {
@@ -168,6 +172,12 @@ class ModelDescription:
             for v in self.variables.values()
             if set(v.dimensions) & set(structural)
         }
+        for v in resized.values():
+            if v.size > MAX_ELEMENTS:
+                raise UsageError(
+                    f"FMU {self.name}: array {v.name!r} would have {v.size} elements by its "
+                    f"structural parameters; at most {MAX_ELEMENTS} are taken"
+                )
         return replace(other, variables={**other.variables, **resized}) if structural else self
 
     def variable(self, name: str) -> Variable:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from harness.fmi.description.model_description import ModelDescription
-from harness.fmi.start_values import StartValues, judge_start_values
+from harness.fmi.start_values import judge_start_values
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import whole
 from harness.system.check import inputs_of
@@ -30,17 +30,20 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
     """The value of every port of what is no FMU, before anything has been computed, and of the
     elements of FMU inputs."""
     lowered = plan.lowered
-    judged = {
+    given = {
         c.name: judge_start_values(
             descriptions[c.name], c.start_values, component=c.name, validate=False
-        )
+        ).told
         for c in lowered.fmus
     }
 
     def input_start(end: Endpoint) -> float:
-        known = inputs_of(lowered.system.component(end.component), descriptions)
-        given = _given(judged[end.component], descriptions[end.component], end.variable)
-        return known[end.variable].start if given is None else given
+        told = given[end.component]
+        array, place = descriptions[end.component].elements.get(end.variable, (None, 0))
+        if array is not None and array.name in told:
+            return float(told[array.name][place])
+        ports = inputs_of(lowered.system.component(end.component), descriptions)
+        return float(told.get(end.variable, ports[end.variable].start))
 
     elements = {
         end: input_start(end)
@@ -62,11 +65,3 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
             factor, offset = scales[target]
             taken.setdefault(source, (input_start(target) - offset) / factor)
     return values | taken | elements
-
-
-def _given(judged: StartValues, d: ModelDescription, name: str) -> float | None:
-    told = judged.told
-    array, place = d.elements.get(name, (None, 0))
-    if array is not None and array.name in told:
-        return float(told[array.name][place])
-    return float(told[name]) if name in told else None
