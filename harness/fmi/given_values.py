@@ -91,7 +91,7 @@ def _in_range(v: Variable, value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError(f"must be finite, not {value}")
     if v.type in REAL_TYPES:
-        if abs(value) > np.finfo(dtype).max:
+        if abs(value) > float(np.finfo(dtype).max):
             raise ValueError(f"must fit {v.type}, not {value!r}")
         return value
     if value != int(value) or (v.details.items and value not in dict(v.details.items)):

@@ -168,9 +168,11 @@ class ModelDescription:
         starts = {n: replace(self.variables[n], start=str(v)) for n, v in structural.items()}
         other = replace(self, variables={**self.variables, **starts})
         resized = {
-            v.name: replace(v, shape=other.sizes(v), size=prod(other.sizes(v)))
+            v.name: replace(v, shape=shape, size=prod(shape), start=v.start if keeps else None)
             for v in self.variables.values()
             if set(v.dimensions) & set(structural)
+            for shape in (other.sizes(v),)
+            for keeps in (len(str(v.start).split()) in (1, prod(shape)),)
         }
         for v in resized.values():
             if v.size > MAX_ELEMENTS:
