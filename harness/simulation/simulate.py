@@ -115,9 +115,7 @@ class _Job:
             )
             stepping = settings.interface_type == CO_SIMULATION
             if stepping and not instance.event_mode and has_input_clocks(d):
-                notes.append(
-                    "the FMU's clocks never tick: co-simulation is done without event mode"
-                )
+                notes.append(_NO_TICKS)
             apply_start_values(instance, judged)
             tracks = read_inputs(instance.description, self.inputs, notes)
             clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)

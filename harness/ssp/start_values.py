@@ -53,26 +53,30 @@ def start_values(
                 given = _Bound(value, (-len(node.path), order), f"{place}: {name}")
                 _give(bound, tree, ports, node, name, given)
     _propagate(bound, wires, ports)
-    ends = [end for end in bound if end.path in tree.fmu_at and not end.dictionary]
     raw: dict[TreePath, dict[str, Any]] = {}
-    for end in ends:
-        raw.setdefault(end.path, {})[end.name] = _content(bound[end], ports.port(end, "").items)
-    found: dict[TreePath, dict[str, Any]] = {path: {} for path in raw}
-    for end in ends:
-        d = configured(ports.describe(tree.fmu_at[end.path].source), raw[end.path])
-        single = {end.name: raw[end.path][end.name]}
+    for end, given in bound.items():
+        if end.path in tree.fmu_at and not end.dictionary:
+            items = given.value.items or ports.port(end, given.place).items or {}
+            raw.setdefault(end.path, {})[end.name] = _content(given.value, items)
+    return {path: _judged(path, values, bound, ports) for path, values in raw.items()}
+
+
+def _judged(path: TreePath, values: dict[str, Any], bound: Bound, ports: Ports) -> dict[str, Any]:
+    """The values of one FMU in the types of its variables; a fault names the binding."""
+    found = dict(values)
+    d = configured(ports.describe(ports.tree.fmu_at[path].source), values)
+    for name, value in values.items():
         try:
-            judged = judge_start_values(d, single, component=".".join(end.path))
+            told = judge_start_values(d, {name: value}, component=".".join(path)).told
         except UsageError as fault:
-            raise ExperimentError(f"{bound[end].place}: {fault}") from fault
-        found[end.path] |= single | {k: v for k, v in judged.told.items() if k in single}
+            raise ExperimentError(f"{bound[Node(path, name)].place}: {fault}") from fault
+        found[name] = told.get(name, value)
     return found
 
 
-def _content(given: _Bound, items: Items | None) -> Any:
-    names = given.value.items or items or {}
-    made = [names.get(one, one) if isinstance(one, str) else one for one in given.value.content]
-    return made[0] if len(made) == 1 and not given.value.array else made
+def _content(value: Value, items: Items) -> Any:
+    made = [items.get(one, one) if isinstance(one, str) else one for one in value.content]
+    return made[0] if len(made) == 1 and not value.array else made
 
 
 def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
