@@ -77,9 +77,7 @@ class FmuParticipant(Participant):
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """Set start values, and enter initialisation mode."""
         given, validate = self.component.start_values, self.component.policy.validate
-        judged = judge_start_values(
-            self.description, given, component=self.name, validate=validate
-        )
+        judged = judge_start_values(self.description, given, component=self.name, validate=validate)
         self.notes = (*self.notes, *judged.notes)
         apply_start_values(self.instance, judged)
         self.instance.enter_initialization_mode(start, stop, self.tolerance)

@@ -12,6 +12,7 @@ counts; where 0 is meant against the FMU's start value, `start_values` of the co
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.start_values import judge_start_values
@@ -37,13 +38,13 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
         for c in lowered.fmus
     }
 
-    def input_start(end: Endpoint) -> float:
+    def input_start(end: Endpoint) -> Any:
         told = given[end.component]
         array, place = descriptions[end.component].elements.get(end.variable, (None, 0))
         if array is not None and array.name in told:
-            return float(told[array.name][place])
+            return told[array.name][place]
         ports = inputs_of(lowered.system.component(end.component), descriptions)
-        return float(told.get(end.variable, ports[end.variable].start))
+        return told.get(end.variable, ports[end.variable].start)
 
     elements = {
         end: input_start(end)
