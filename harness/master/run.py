@@ -35,6 +35,7 @@ from harness.master.program.link import Program, link
 from harness.master.program.loop import run_cycles
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
+from harness.participants.memory import cell_of
 from harness.participants.participant import Participant
 from harness.participants.signal import SignalParticipant
 from harness.results.columns import Column
@@ -151,7 +152,11 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
             return unit_of(sources[end], hops - 1)
         return unit.name if unit is not None else ""
 
-    return tuple(Column(str(end), unit_of(end), ports[end].description) for end in plan.recorded)
+    def cell(end: Endpoint) -> str:
+        d = descriptions.get(end.component)
+        return "real" if d is None else cell_of(d.port(end.variable), d.fmi_major)
+
+    return tuple(Column(str(e), unit_of(e), ports[e].description, cell(e)) for e in plan.recorded)
 
 
 def execute(
