@@ -134,8 +134,7 @@ def _changed(
         seed=lowered.system.seed if seed is None else seed,
     )
     if start_values:
-        descriptions = descriptions_of(system, fmus)
-        check(system, descriptions)
+        check(system, descriptions := descriptions_of(system, fmus))
         if descriptions != descriptions_of(lowered.system, fmus):
             raise UsageError(
                 "start values that change the sizes of arrays cannot differ between runs of one "

@@ -121,13 +121,9 @@ def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     tolerance = component.policy.tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
+    given, validate = component.start_values, component.policy.validate
     try:
-        judge_start_values(
-            d,
-            component.start_values,
-            component=component.name,
-            validate=component.policy.validate,
-        )
+        judge_start_values(d, given, component=component.name, validate=validate)
     except UsageError as faults:
         yield str(faults)
 

@@ -32,10 +32,9 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
     elements of FMU inputs."""
     lowered = plan.lowered
     given = {
-        c.name: judge_start_values(
-            descriptions[c.name], c.start_values, component=c.name, validate=False
-        ).told
+        c.name: judge_start_values(d, c.start_values, component=c.name, validate=False).told
         for c in lowered.fmus
+        for d in (descriptions[c.name],)
     }
 
     def input_start(end: Endpoint) -> Any:
