@@ -30,8 +30,9 @@ from benchmarks.measuring import interleaved, machine, write_json
 from benchmarks.pi import STEP, pi_block
 from benchmarks.timed_run import timed_run
 from harness.bench import Bench
+from harness.master.opened import opened
 from harness.master.program.link import link
-from harness.master.run import opened, plan_system
+from harness.master.run import plan_system
 from harness.system.block import Array, KernelBlock, Port
 from harness.system.graph import System
 
@@ -48,7 +49,8 @@ def phase(name):
     phases[name] = 1e3 * (now - mark)
     mark = time.process_time()
 from harness.bench import Bench
-from harness.master.run import execute, opened, plan_system
+from harness.master.opened import opened
+from harness.master.run import execute, plan_system
 phase("import the harness, numba and FMPy with it")
 bench = Bench(stop_time=0.01)
 bench.fmu("plant", "hybrid_actuator")

@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+from harness.master.opened import opened
 from harness.master.recorded import columns_of
-from harness.master.run import execute, opened, plan_system
+from harness.master.run import execute, plan_system
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.graph import System

@@ -75,6 +75,7 @@ def simulate_command(
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
     from harness.fmi.fmu import Fmu
+    from harness.fmi.start_values import parse_assignment
     from harness.simulation.cross_check import find_cross_check, read_options
     from harness.simulation.settings import Request
 
@@ -92,10 +93,11 @@ def simulate_command(
     with notices(), Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:
             output_variables = _recorded(opened, validate_against)
+        starts = [parse_assignment(opened.description, text) for text in start_values or []]
         options = vars(given) | {
-            "start_values": _starts(opened, start_values or []), "inputs": input_file,
+            "start_values": dict(starts), "inputs": input_file, "validate": validate,
             "output_variables": output_variables, "event_mode": None if event_mode else False,
-            "validate": validate, "limits": limits,
+            "limits": limits,
         }  # fmt: skip
         fault: HarnessError | TerminatedError | None = None
         try:
@@ -149,12 +151,6 @@ def _recorded(opened: Fmu, reference: Path) -> list[str]:
         whole = column if column in d.variables else column.partition("[")[0]
         known += [whole] if whole in d.variables else []
     return list(dict.fromkeys(known))
-
-
-def _starts(opened: Fmu, texts: list[str]) -> dict[str, object]:
-    from harness.simulation.start_values import parse_assignment
-
-    return dict(parse_assignment(opened.description, text) for text in texts)
 
 
 def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> Result:

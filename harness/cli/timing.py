@@ -34,7 +34,8 @@ def timing_command(
     ] = None,
 ) -> None:
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
-    from harness.master.run import opened, plan_system
+    from harness.master.opened import opened
+    from harness.master.run import plan_system
     from harness.master.timing import measure_delays
     from harness.process.task import Teller, run_task
 

@@ -19,9 +19,10 @@ from typing import Any, Self
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
+from harness.master.opened import descriptions_of, opened
 from harness.master.plan.planner import Plan
 from harness.master.recorded import columns_of
-from harness.master.run import Progress, execute, opened, plan_system
+from harness.master.run import Progress, execute, plan_system
 from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
@@ -128,7 +129,12 @@ def _changed(
         seed=lowered.system.seed if seed is None else seed,
     )
     if start_values:
-        check(system, {name: fmu.description for name, fmu in fmus.items()})
+        check(system, descriptions := descriptions_of(system, fmus))
+        if descriptions != descriptions_of(lowered.system, fmus):
+            raise UsageError(
+                "start values that change the sizes of arrays cannot differ between runs of one "
+                "plan; give them to the system itself"
+            )
     components = tuple(map(moved, lowered.components))
     return replace(plan, lowered=replace(lowered, system=system, components=components))
 

@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 from harness.errors import GraphError, nearest
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
+from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import cells_of
 from harness.results.columns import Column
@@ -58,7 +59,7 @@ def recorded_ports(
 
 def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     """What the columns of a recorded row are; an input without a unit has that of its source."""
-    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    descriptions = descriptions_of(plan.lowered.system, fmus)
     system = plan.lowered.system
     sources = {c.target: c.source for c in system.connections}
     ports = {

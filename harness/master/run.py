@@ -10,8 +10,8 @@ have been handed to the recorder.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -27,6 +27,7 @@ from harness.instruments.source import named_seed
 from harness.master import host as hosts
 from harness.master.faults import explain
 from harness.master.host import Host
+from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan, make_plan
 from harness.master.program.link import Program, link
 from harness.master.program.loop import run_cycles
@@ -69,23 +70,9 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-@contextmanager
-def opened(system: System) -> Iterator[dict[str, Fmu]]:
-    """The FMUs of a system by component name; each archive is unpacked once."""
-    with ExitStack() as stack:
-        by_path: dict[str, Fmu] = {}
-        for component in system.fmus:
-            key = str(component.path)
-            if key not in by_path:
-                by_path[key] = stack.enter_context(
-                    Fmu(component.path, validate=component.policy.validate)
-                )
-        yield {c.name: by_path[str(c.path)] for c in system.fmus}
-
-
 def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
     """Check, lower and plan; `record` are patterns of the signals to record."""
-    descriptions = {name: fmu.description for name, fmu in fmus.items()}
+    descriptions = descriptions_of(system, fmus)
     system = expand_arrays(system, descriptions)
     check(system, descriptions)
     recorded = recorded_ports(system, descriptions, record)
@@ -165,7 +152,7 @@ class _Run:
         start, stop = system.seconds(system.start_ns), system.seconds(system.stop_ns)
         for participant in self.participants.values():
             participant.enter_initialization(start, stop)
-        descriptions = {name: fmu.description for name, fmu in self.fmus.items()}
+        descriptions = descriptions_of(system, self.fmus)
         program = link(self.plan, self.participants, descriptions, self.host.clock)
         self.program = program
         self.host.linked(program)

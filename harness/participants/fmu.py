@@ -18,6 +18,7 @@ from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.interface import InterfaceType
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
+from harness.fmi.start_values import apply_start_values, judge_start_values
 from harness.participants.access import Access
 from harness.participants.memory import Memory, Row, View
 from harness.participants.participant import Participant
@@ -79,7 +80,10 @@ class FmuParticipant(Participant):
 
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """Set start values, and enter initialisation mode."""
-        self.instance.set(self.component.start_values)
+        given, validate = self.component.start_values, self.component.policy.validate
+        judged = judge_start_values(self.description, given, component=self.name, validate=validate)
+        self.notes = (*self.notes, *judged.notes)
+        apply_start_values(self.instance, judged)
         self.instance.enter_initialization_mode(start, stop, self.tolerance)
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:

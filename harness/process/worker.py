@@ -24,11 +24,12 @@ from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.fmi.wording import shorten
 from harness.master.host import Host, Rows, Times
+from harness.master.opened import opened
 from harness.master.plan.planner import Plan
 from harness.master.prepared import check_needed
 from harness.master.program.link import Program
 from harness.master.recorded import columns_of
-from harness.master.run import execute, opened, plan_system
+from harness.master.run import execute, plan_system
 from harness.process.checkpoint import differences, made_of, restore, take, why_not
 from harness.process.loops import linked_program
 from harness.process.marker import Marker, RowMemory

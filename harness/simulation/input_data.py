@@ -8,8 +8,7 @@ are no inputs are left out with a note.
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,23 +18,21 @@ from numpy.typing import NDArray
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.values import flat, parse_value
 from harness.fmi.description.model_description import ModelDescription, Variable
+from harness.fmi.start_values import find_target, place_of
 from harness.instruments.csv_signal import CsvTable, plain_name, read_csv_table
 from harness.simulation.inputs import Inputs, Track
 
 InputData = str | os.PathLike[str] | Mapping[str, Any]
-_ELEMENT = re.compile(r"^(.*)\[(\d+(?:\s*,\s*\d+)*)\]$")
 
 
-def read_inputs(
-    d: ModelDescription, data: InputData | None, notes: list[str], count: Callable[[Variable], int]
-) -> Inputs:
+def read_inputs(d: ModelDescription, data: InputData | None, notes: list[str]) -> Inputs:
     """The inputs that `data` stands for: the path of a CSV file, or a mapping from names to
-    numbers, functions of time, or pairs (times, values). `count` gives the sizes of arrays."""
+    numbers, functions of time, or pairs (times, values). `d` has the sizes of arrays in force."""
     if data is None:
         return Inputs()
     if isinstance(data, (str, os.PathLike)):
-        return Inputs(_from_table(d, read_csv_table(Path(data), as_text=True), notes, count))
-    return Inputs([_from_python(_input(d, name), value, count) for name, value in data.items()])
+        return Inputs(_from_table(d, read_csv_table(Path(data), as_text=True), notes))
+    return Inputs([_from_python(_input(d, name), value) for name, value in data.items()])
 
 
 def _input(d: ModelDescription, name: str) -> Variable:
@@ -60,7 +57,7 @@ def _role(v: Variable) -> str:
     return f"a {v.variability} {v.causality}" if v.causality != "output" else "an output"
 
 
-def _from_python(v: Variable, value: Any, count: Callable[[Variable], int]) -> Track:
+def _from_python(v: Variable, value: Any) -> Track:
     if callable(value):
         return Track(v, function=value)
     if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1:
@@ -74,11 +71,10 @@ def _from_python(v: Variable, value: Any, count: Callable[[Variable], int]) -> T
         _check_times(f"input {v.name!r}", times)
     else:
         times, rows = (0.0,), (tuple(flat(value)),)
-    needed = count(v)
-    short = next((row for row in rows if len(row) != needed), None)
+    short = next((row for row in rows if len(row) != v.size), None)
     if short is not None:
         raise UsageError(
-            f"input {v.name!r} has {needed} element(s), but a row of {len(short)} was given"
+            f"input {v.name!r} has {v.size} element(s), but a row of {len(short)} was given"
         )
     return Track(v, times, rows)
 
@@ -96,9 +92,7 @@ def _check_times(what: str, times: Sequence[float]) -> None:
         )
 
 
-def _from_table(
-    d: ModelDescription, table: CsvTable, notes: list[str], count: Callable[[Variable], int]
-) -> list[Track]:
+def _from_table(d: ModelDescription, table: CsvTable, notes: list[str]) -> list[Track]:
     times = time_column(table)
     columns: dict[str, list[Any]] = {}
     elements: dict[str, dict[int, list[Any]]] = {}
@@ -107,19 +101,21 @@ def _from_table(
         if index == _time_index(table) or name.lower() == "time":
             continue
         cells = table.columns.column(index).to_pylist()
-        found = d.variables.get(name)
-        match = _ELEMENT.match(name)
-        if found is None and match and match[1] in d.variables:
-            v = _input(d, match[1])
-            place = _place(v, match[2], count)
-            elements.setdefault(v.name, {})[place] = [_cell(table, v, c, 1)[0] for c in cells]
+        found, element = find_target(d, name) or (None, None)
+        if found is not None and element is not None:
+            try:
+                place = place_of(_input(d, found.name), element)
+            except ValueError as fault:
+                raise UsageError(f"{table.path}: column {header!r} {fault}") from fault
+            cells = [_cell(table, found, c, 1)[0] for c in cells]
+            elements.setdefault(found.name, {})[place] = cells
         elif found is None or not settable(found):
             role = "no variable of the FMU" if found is None else _role(found)
             notes.append(f"column {header!r} of {table.path} is left out: it is {role}")
         else:
-            columns[name] = [_cell(table, found, cell, count(found)) for cell in cells]
+            columns[name] = [_cell(table, found, cell, found.size) for cell in cells]
     for name, parts in elements.items():
-        needed = count(d.variables[name])
+        needed = d.variables[name].size
         if set(parts) != set(range(needed)):
             raise UsageError(
                 f"{table.path} has {len(parts)} columns for {name!r}, which has {needed} elements"
@@ -130,19 +126,6 @@ def _from_table(
             f"{table.path} has no column for an input or a tunable parameter of {d.name}"
         )
     return [Track(d.variables[n], times, tuple(map(tuple, rows))) for n, rows in columns.items()]
-
-
-def _place(v: Variable, text: str, count: Callable[[Variable], int]) -> int:
-    sizes = [size for size in v.dimensions if isinstance(size, int)]
-    index = [int(one) - 1 for one in text.split(",")]
-    if len(index) == 1:
-        return index[0]
-    if len(sizes) != len(index):
-        raise UsageError(
-            f"elements of {v.name!r} cannot be given by column, since its sizes are structural "
-            "parameters; give one column with the elements separated by spaces"
-        )
-    return int(np.ravel_multi_index(index, sizes))
 
 
 def _cell(table: CsvTable, v: Variable, cell: str | None, count: int) -> Sequence[Any]:

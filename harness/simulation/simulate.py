@@ -14,6 +14,7 @@ from harness.errors import FmuError, HarnessError, SimulationError, UsageError
 from harness.fmi.binding.instance import CO_SIMULATION, FmuInstance
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
+from harness.fmi.start_values import apply_start_values, judge_start_values
 from harness.process.fork import available
 from harness.process.limits import Limits
 from harness.results.manifest import COMPLETE, INCOMPLETE, FmuRecord, Manifest, RunStatus
@@ -25,7 +26,6 @@ from harness.simulation.input_data import InputData, read_inputs
 from harness.simulation.model_exchange import ModelExchange
 from harness.simulation.outputs import Recorder, select
 from harness.simulation.settings import Request, Settings, settle
-from harness.simulation.start_values import set_start_values
 
 _NO_TICKS = "the FMU's clocks never tick: co-simulation is done without event mode"
 
@@ -106,18 +106,18 @@ class _Job:
             d = fmu.description
             settings = settle(self.request, d)
             chosen = select(d, self.output_variables)
-            notes = [*fmu.notes, *settings.notes]
+            judged = judge_start_values(
+                d, self.start_values, component=d.name, validate=self.validate
+            )
+            notes = [*fmu.notes, *settings.notes, *judged.notes]
             instance = stack.enter_context(
                 _instance(fmu, settings, self.event_mode, watched, notes)
             )
             stepping = settings.interface_type == CO_SIMULATION
             if stepping and not instance.event_mode and has_input_clocks(d):
-                notes.append(
-                    "the FMU's clocks never tick: co-simulation is done without event mode"
-                )
-            refused = None if self.validate else notes
-            set_start_values(instance, self.start_values, notes=refused)
-            tracks = read_inputs(d, self.inputs, notes, instance.count)
+                notes.append(_NO_TICKS)
+            apply_start_values(instance, judged)
+            tracks = read_inputs(instance.description, self.inputs, notes)
             clocks = Clocks(instance, settings.start_time, tracks.clocks, notes)
             recorder = Recorder(instance, chosen)
             kind = CoSimulation if stepping else ModelExchange

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from harness.errors import ExperimentError, nearest
+from harness.errors import ExperimentError, UsageError
 from harness.fmi.description.model_description import (
     INTEGER_TYPES,
     REAL_TYPES,
     ModelDescription,
     Variable,
 )
+from harness.fmi.start_values import find_target, judge_start_values
 from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinition
 from harness.ssp.document import Connector, ParameterBinding
 from harness.ssp.lexical import write_boolean, write_double
@@ -120,32 +121,27 @@ def start_value_binding(
 def _parameters(
     name: str, values: Mapping[str, Any], description: ModelDescription, version: str
 ) -> Iterator[Parameter]:
-    for key, value in values.items():
-        if key not in description.variables:
-            hint = nearest(key, description.variables)
-            raise ExperimentError(f"component {name}: no variable {key!r} to give a value; {hint}")
-        kind = description.variables[key].type
-        given = list(value) if isinstance(value, list | tuple) else [value]
+    try:
+        judged = judge_start_values(description, values, component=name)
+    except UsageError as fault:
+        raise ExperimentError(str(fault)) from fault
+    for key, value in judged.told.items():
+        target = find_target(description, key)
+        assert target is not None, "it was judged"
+        kind = target[0].type
+        given = value if isinstance(value, list) else [value]
         tag = f"ssv:{_kind(kind if kind != 'Enumeration' else 'Int32', version)}"
-        try:
-            made = _value(tag, kind, given)
-        except (TypeError, ValueError) as fault:
+        if kind == "Binary":
             raise ExperimentError(
-                f"component {name}: start value {value!r} of {key} is no {kind}"
-            ) from fault
-        several = (Dimension(size=len(given)),) if isinstance(value, list | tuple) else ()
-        yield Parameter(name=key, value=made, dimensions=several)
+                f"component {name}: start value of {key!r} is a binary, which this export cannot "
+                "write; numbers, booleans, texts and enumerations it can"
+            )
+        several = (Dimension(size=len(given)),) if isinstance(value, list) else ()
+        yield Parameter(name=key, value=_value(tag, kind, given), dimensions=several)
 
 
 def _value(tag: str, kind: str, given: list[Any]) -> ParameterValue:
-    if kind in REAL_TYPES:
-        return ParameterValue(tag=tag, value=" ".join(write_double(one) for one in given))
-    if kind in INTEGER_TYPES:
-        return ParameterValue(tag=tag, value=" ".join(str(int(one)) for one in given))
-    if kind == "Boolean":
-        return ParameterValue(tag=tag, value=" ".join(write_boolean(bool(one)) for one in given))
-    if kind != "String":
-        raise ValueError(kind)
-    if len(given) == 1:
-        return ParameterValue(tag=tag, value=str(given[0]))
-    return ParameterValue(tag=tag, items=tuple(ValueItem(value=str(one)) for one in given))
+    if kind == "String" and len(given) > 1:
+        return ParameterValue(tag=tag, items=tuple(ValueItem(value=one) for one in given))
+    write = write_double if kind in REAL_TYPES else write_boolean if kind == "Boolean" else str
+    return ParameterValue(tag=tag, value=" ".join(map(write, given)))

@@ -117,10 +117,7 @@ class _Exporter:
         sources = {c.name: self._source(c, system, spec) for c in system.components}
         descriptions = {name: _describe(path) for name, path in sources.items()}
         major = max(d.fmi_major for d in descriptions.values())
-        lists = any(
-            isinstance(v, list | tuple) for c in system.fmus for v in c.start_values.values()
-        )
-        version = "2.0" if major > 2 or lists else "1.0"
+        version = "2.0" if major > 2 else "1.0"
         units = Units()
         elements = tuple(
             self._component(c, sources[c.name], descriptions[c.name], spec, system, version, units)

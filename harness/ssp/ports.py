@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import ExperimentError, nearest
-from harness.fmi.description.model_description import ModelDescription, Variable
+from harness.fmi.description.model_description import ModelDescription
+from harness.fmi.start_values import find_target
 from harness.ssp import binding
 from harness.ssp.common import DataType
 from harness.ssp.document import DictionaryReference, SystemElement
@@ -47,7 +48,6 @@ class Port:
     unit: Unit | None = None
     type: str = ""
     items: Mapping[str, int] | None = None
-    variable: Variable | None = None
 
 
 class Ports:
@@ -111,21 +111,22 @@ class Ports:
     def _of_fmu(self, node: Node, place: str) -> Port:
         fmu = self.tree.fmu_at[node.path]
         description = self.describe(fmu.source)
-        variable = description.variables.get(node.name)
+        target = find_target(description, node.name)
         connector = fmu.element.connector(node.name)
-        if variable is None:
+        if target is None:
             legal = description.variables
             hint = nearest(node.name, legal)
             raise ExperimentError(
                 f"{place}: FMU {fmu.source.name} of {'.'.join(node.path)} has no variable "
                 f"{node.name!r}; {hint}"
             )
+        variable = target[0]
         own = parse_unit(variable.unit, description.units) if variable.unit else None
         if connector is None:
-            return Port(variable.causality, own, variable.type, None, variable)
+            return Port(variable.causality, own, variable.type)
         said = _typed(connector.kind, connector.type, fmu.scope)
         kind = said.kind if said.kind not in ("inout", "unspecified") else variable.causality
-        return Port(kind, said.unit or own, said.type or variable.type, said.items, variable)
+        return Port(kind, said.unit or own, said.type or variable.type, said.items)
 
     def _entries(self, path: TreePath, name: str) -> dict[str, Port]:
         if (path, name) not in self._dictionaries:

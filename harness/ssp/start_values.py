@@ -15,13 +15,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 from warnings import warn
 
-from harness.errors import ExperimentError, HarnessError
-from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.errors import ExperimentError, HarnessError, UsageError
+from harness.fmi.start_values import configured, find_target, judge_start_values
 from harness.ssp.change import Items
 from harness.ssp.document import ParameterBinding
 from harness.ssp.flatten import FlatWire, change_along
-from harness.ssp.lexical import read_boolean, read_double, read_integer
-from harness.ssp.parameter_values import Scalar, Value, bound_values
+from harness.ssp.parameter_values import Value, bound_values
 from harness.ssp.ports import Node, Ports
 from harness.ssp.tree import FmuNode, Scope, SystemNode, Tree, TreePath
 
@@ -54,11 +53,30 @@ def start_values(
                 given = _Bound(value, (-len(node.path), order), f"{place}: {name}")
                 _give(bound, tree, ports, node, name, given)
     _propagate(bound, wires, ports)
-    found: dict[TreePath, dict[str, Any]] = {}
+    raw: dict[TreePath, dict[str, Any]] = {}
     for end, given in bound.items():
         if end.path in tree.fmu_at and not end.dictionary:
-            found.setdefault(end.path, {})[end.name] = _start_value(end, given, ports)
+            items = given.value.items or ports.port(end, given.place).items or {}
+            raw.setdefault(end.path, {})[end.name] = _content(given.value, items)
+    return {path: _judged(path, values, bound, ports) for path, values in raw.items()}
+
+
+def _judged(path: TreePath, values: dict[str, Any], bound: Bound, ports: Ports) -> dict[str, Any]:
+    """The values of one FMU in the types of its variables; a fault names the binding."""
+    found = dict(values)
+    d = configured(ports.describe(ports.tree.fmu_at[path].source), values)
+    for name, value in values.items():
+        try:
+            told = judge_start_values(d, {name: value}, component=".".join(path)).told
+        except UsageError as fault:
+            raise ExperimentError(f"{bound[Node(path, name)].place}: {fault}") from fault
+        found[name] = told.get(name, value)
     return found
+
+
+def _content(value: Value, items: Items) -> Any:
+    made = [items.get(one, one) if isinstance(one, str) else one for one in value.content]
+    return made[0] if len(made) == 1 and not value.array else made
 
 
 def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
@@ -92,7 +110,7 @@ def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node
         if isinstance(one, SystemNode):
             known = one.element.connector(rest) is not None
         else:
-            known = rest in ports.describe(one.source).variables
+            known = find_target(ports.describe(one.source), rest) is not None
         if known:
             yield Node(one.path, rest)
 
@@ -115,30 +133,3 @@ def _propagate(bound: Bound, wires: tuple[FlatWire, ...], ports: Ports) -> None:
             except HarnessError as fault:
                 raise ExperimentError(f"{given.place}: {fault}") from fault
             break
-
-
-def _start_value(end: Node, given: _Bound, ports: Ports) -> Any:
-    port = ports.port(end, given.place)
-    assert port.variable is not None
-    items = given.value.items or port.items
-    try:
-        made = [_as_type(one, port.variable, items) for one in given.value.content]
-    except ValueError as fault:
-        raise ExperimentError(f"{given.place}: a value for {end} is {fault}") from fault
-    return made[0] if len(made) == 1 and not given.value.array else made
-
-
-def _as_type(value: Scalar, variable: Variable, items: Items | None) -> Scalar:
-    """A value as the variable's type takes it; raises ValueError with what it is not."""
-    kind = variable.type
-    if kind in REAL_TYPES:
-        return read_double(value) if isinstance(value, str) else float(value)
-    if kind == "Boolean":
-        return read_boolean(value) if isinstance(value, str) else bool(value)
-    if kind in INTEGER_TYPES:
-        if isinstance(value, str):
-            return items[value] if items and value in items else read_integer(value)
-        if value != int(value):
-            raise ValueError(f"no whole number, as type {kind} demands, but {value!r}")
-        return int(value)
-    return str(value)

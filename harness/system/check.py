@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from math import isfinite
 
 from harness.clock import show
-from harness.errors import GraphError, HarnessError, UnitError, nearest
+from harness.errors import GraphError, HarnessError, UnitError, UsageError, nearest
 from harness.fmi.description.model_description import (
     NUMERIC_TYPES,
     REAL_TYPES,
     ModelDescription,
     Variable,
 )
+from harness.fmi.start_values import judge_start_values
 from harness.system.graph import (
     ALGEBRAIC_LOOPS,
     ALGORITHMS,
@@ -32,7 +33,6 @@ from harness.system.graph import (
     System,
 )
 from harness.system.policy import interface_of
-from harness.system.start_values import start_value_faults
 from harness.system.units import Unit, conversion, parse_unit
 
 Descriptions = Mapping[str, ModelDescription]
@@ -124,7 +124,11 @@ def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     tolerance = component.policy.tolerance
     if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
-    yield from start_value_faults(component.name, component.start_values, d)
+    given, validate = component.start_values, component.policy.validate
+    try:
+        judge_start_values(d, given, component=component.name, validate=validate)
+    except UsageError as faults:
+        yield str(faults)
 
 
 def _sensitivity_faults(

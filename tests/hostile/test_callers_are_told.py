@@ -78,9 +78,9 @@ def test_settings(folder: Path, capsys: pytest.CaptureFixture[str], setting: str
 
 LIMITED = {
     11: "'T' is 11, above its max 10", -1.5: "'T' is -1.5, below its min 0",
-    "1": "must be a number (Float64), not '1'", None: "must be a number (Float64), not None",
+    "1x": "must be a number (Float64), not '1x'", None: "must be a number (Float64), not None",
     10**400: "must be finite, not a number of 401 digits",
-    (1.0, "x"): "must be a number (Float64), not 'x'",
+    (1.0, "x"): "has no unit, but 'x' was given", (1.0, 2.0): "must have 1 element(s), not 2",
 }  # fmt: skip
 TYPED = (
     '<Int8 name="i" valueReference="9" causality="parameter" start="0"/>'

@@ -45,7 +45,7 @@ def test_a_given_one_may_not_unless_it_is_insisted_on(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"start value of 'T' is 0\.7, above its max 0\.5"):
         simulate(path, **TIMES, start_values={"T": 0.7})
     result = simulate(path, **TIMES, start_values={"T": 0.7}, validate=False)
-    assert "start value of 'T' is 0.7, above its max 0.5" in result.notes
+    assert "component hostile: start value of 'T' is 0.7, above its max 0.5" in result.notes
 
 
 def test_the_command_lets_pass_what_it_is_told_to(

@@ -85,7 +85,7 @@ class Fmi3Instance(FmuInstance):
         self.call("EnterConfigurationMode")
         self.set(values)
         self.call("ExitConfigurationMode")
-        self.structural.update({name: int(value) for name, value in values.items()})
+        self.description = self.description.configured(values)
 
     def enter_event_mode(self) -> None:
         """fmi3EnterEventMode."""

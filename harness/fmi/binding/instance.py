@@ -68,7 +68,6 @@ class FmuInstance(ABC):
         self.name = name
         self.interface_type = interface_type
         self.event_mode, self.early_return = event_mode, early_return
-        self.structural: dict[str, int] = {}
         self.log = MessageLog(echo)
         path = library_path(folder, self.capabilities.model_identifier, description.fmi_major)
         calling(name, "loading its library")
@@ -229,14 +228,7 @@ class FmuInstance(ABC):
 
     def shape(self, variable: Variable) -> tuple[int, ...]:
         """The sizes of an array with the structural parameters in force; () for a scalar."""
-        return tuple(
-            size if isinstance(size, int) else self._structural(size)
-            for size in variable.dimensions
-        )
-
-    def _structural(self, name: str) -> int:
-        start = self.description.variable(name).start
-        return self.structural.get(name, int(start or 0))
+        return self.description.sizes(variable)
 
     def count(self, variable: Variable) -> int:
         """The number of elements of a variable."""

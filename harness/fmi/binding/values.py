@@ -122,16 +122,17 @@ def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
     """
     words = text.replace(",", " ").split() if variable.dimensions or count > 1 else [text]
     try:
-        values = [_parse(variable, word) for word in words]
+        values = [parse_item(variable, word) for word in words]
     except (KeyError, ValueError, OverflowError) as fault:
         raise FmuError(
             f"variable {variable.name!r} of type {variable.type} cannot be {text!r}"
-            + _choices(variable)
+            + (f"; its items are {item_names(variable)}" if variable.details.items else "")
         ) from fault
     return values if variable.dimensions else values[0]
 
 
-def _parse(variable: Variable, word: str) -> Any:
+def parse_item(variable: Variable, word: str) -> Any:
+    """One element of `parse_value`; raises KeyError, ValueError or OverflowError."""
     if variable.type in REAL_TYPES:
         return float(word)
     if variable.type in INTEGER_TYPES:
@@ -156,9 +157,9 @@ def _whole(variable: Variable, word: str) -> int:
         return int(number_)
 
 
-def _choices(variable: Variable) -> str:
-    names = ", ".join(f"{number} {name!r}" for number, name in variable.details.items[:12])
-    return f"; its items are {names}" if names else ""
+def item_names(variable: Variable) -> str:
+    """The items of an enumeration with their numbers, for a sentence; "" where there are none."""
+    return ", ".join(f"{number} {name!r}" for number, name in variable.details.items[:12])
 
 
 def plain_accessor(variable: Variable, boolean: Any, fmi_major: int) -> tuple[str, Any]:

@@ -14,7 +14,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from harness.errors import FmuError, nearest
+from harness.errors import FmuError, UsageError, nearest
 from harness.fmi.description.details import (
     Details,
     DisplayUnit,
@@ -29,6 +29,7 @@ from harness.system.units import Unit
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
 INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
 REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
+MAX_ELEMENTS = 10**7
 NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
 
 
@@ -151,6 +152,35 @@ class ModelDescription:
         """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
         array = self.elements[name][0] if name in self.elements else self.variables.get(name)
         return element_names(array) if array is not None and array.shape else (name,)
+
+    def sizes(self, array: Variable) -> tuple[int, ...]:
+        """The sizes of an array by the structural parameters; () for a scalar."""
+        return tuple(
+            one if isinstance(one, int) else int(self.variables[one].start or 0)
+            for one in array.dimensions
+        )
+
+    def configured(self, structural: Mapping[str, int]) -> ModelDescription:
+        """With other values of structural parameters, and arrays of the sizes that follow.
+
+        Raises `UsageError` for an array of more than `MAX_ELEMENTS`.
+        """
+        starts = {n: replace(self.variables[n], start=str(v)) for n, v in structural.items()}
+        other = replace(self, variables={**self.variables, **starts})
+        resized = {
+            v.name: replace(v, shape=shape, size=prod(shape), start=v.start if keeps else None)
+            for v in self.variables.values()
+            if set(v.dimensions) & set(structural)
+            for shape in (other.sizes(v),)
+            for keeps in (len(str(v.start).split()) in (1, prod(shape)),)
+        }
+        for v in resized.values():
+            if v.size > MAX_ELEMENTS:
+                raise UsageError(
+                    f"FMU {self.name}: array {v.name!r} would have {v.size} elements by its "
+                    f"structural parameters; at most {MAX_ELEMENTS} are taken"
+                )
+        return replace(other, variables={**other.variables, **resized}) if structural else self
 
     def variable(self, name: str) -> Variable:
         """The variable of that name; raises `FmuError` with the nearest legal names."""

@@ -15,12 +15,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from harness.fmi.description.model_description import ModelDescription
+from harness.fmi.start_values import judge_start_values
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import whole
 from harness.system.check import inputs_of
 from harness.system.graph import (
     BlockComponent,
-    Component,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -31,8 +31,22 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
     """The value of every port of what is no FMU, before anything has been computed, and of the
     elements of FMU inputs."""
     lowered = plan.lowered
+    given = {
+        c.name: judge_start_values(d, c.start_values, component=c.name, validate=False).told
+        for c in lowered.fmus
+        for d in (descriptions[c.name],)
+    }
+
+    def input_start(end: Endpoint) -> Any:
+        told = given[end.component]
+        array, place = descriptions[end.component].elements.get(end.variable, (None, 0))
+        if array is not None and array.name in told:
+            return told[array.name][place]
+        ports = inputs_of(lowered.system.component(end.component), descriptions)
+        return told.get(end.variable, ports[end.variable].start)
+
     elements = {
-        end: _input_start(lowered.system.component(end.component), end.variable, descriptions)
+        end: input_start(end)
         for end in whole(plan.written, descriptions)
         if end.variable in descriptions[end.component].elements
     }
@@ -49,22 +63,5 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
         is_block = isinstance(block, (BlockComponent, PythonComponent))
         if is_block and isinstance(driven, FmuComponent) and values[source] == 0.0:
             factor, offset = scales[target]
-            start = _input_start(driven, target.variable, descriptions)
-            taken.setdefault(source, (start - offset) / factor)
+            taken.setdefault(source, (input_start(target) - offset) / factor)
     return values | taken | elements
-
-
-def _input_start(
-    component: Component, name: str, descriptions: Mapping[str, ModelDescription]
-) -> float:
-    assert isinstance(component, FmuComponent)
-    given: Any = component.start_values.get(name)
-    array, place = descriptions[component.name].elements.get(name, (None, 0))
-    if array is not None and array.name in component.start_values:
-        given = component.start_values[array.name][place]
-    if isinstance(given, (bool, int, float)):
-        return float(given)
-    if isinstance(given, str):
-        text = given.lower()
-        return float({"true": "1", "false": "0"}.get(text, text))
-    return inputs_of(component, descriptions)[name].start

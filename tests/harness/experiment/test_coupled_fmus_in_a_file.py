@@ -8,7 +8,8 @@ import pytest
 from benchmarks.coupling_order import monolithic
 from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment
-from harness.master.run import opened, plan_system
+from harness.master.opened import opened
+from harness.master.run import plan_system
 from harness.master.timing import schedule
 
 FILE = """

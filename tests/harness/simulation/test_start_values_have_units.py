@@ -7,7 +7,7 @@ import pytest
 from harness import simulate
 from harness.errors import HarnessError
 from harness.fmi.fmu import Fmu
-from harness.simulation.start_values import parse_assignment
+from harness.fmi.start_values import parse_assignment
 from tests.harness.fmi.archives import member, rewritten
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 
@@ -48,15 +48,15 @@ def test_a_difference_is_converted_without_offset(tmp_path: Path) -> None:
     ("assignment", "words"),
     [
         ("h", "must have the form name=value"),
-        ("hh=1", "has no variable 'hh'"),
-        ("h=high", "'h' of type Real cannot be 'high'"),
-        ("h=1[s]", "start value of 'h': unit 's' .* cannot be converted to 'm'"),
-        ("k=1[m]", "'k' has no unit, but its start value was given in 'm'"),
+        ("hh=1", "component test: no variable 'hh' to give a start value"),
+        ("h=high", "'h' must be a number .Real., not 'high'"),
+        ("h=1[s]", "start value of 'h' cannot be in 's': unit 's' .* cannot be converted to 'm'"),
+        ("k=1[m]", "'k' has no unit, but 'm' was given"),
         ("i_in=1[m]", "of type Integer has no unit"),
-        ("counter=1", "'counter' takes no start value: it is calculated by the FMU"),
-        ("der(x)=1", "takes no start value"),
-        ("b_in=maybe", "cannot be 'maybe'"),
-        ("h[1]=2", "'h.1.' is no element of 'h'"),
+        ("counter=1", "'counter' cannot be set, for the FMU calculates it .output."),
+        ("der(x)=1", "'der.x.' cannot be set"),
+        ("b_in=maybe", "'b_in' must be true or false, not 'maybe'"),
+        ("h[1]=2", "'h.1.' is for no element of 'h', whose sizes are those of a scalar"),
     ],
 )
 def test_what_cannot_be_meant_is_said(assignment: str, words: str) -> None:
@@ -67,8 +67,8 @@ def test_what_cannot_be_meant_is_said(assignment: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("starts", "words"),
     [
-        ({"w[4]": 1.0}, "'w.4.' is no element of 'w', whose sizes are 3"),
-        ({"w": [1.0, 2.0]}, r"has 3 element\(s\), but 2 value\(s\) were given"),
+        ({"w[4]": 1.0}, "'w.4.' is for no element of 'w', whose sizes are 3"),
+        ({"w": [1.0, 2.0]}, r"'w' must have 3 element\(s\), not 2"),
         ({"n": 99}, "fmi3SetUInt64 of variable 'n' returned Error"),
     ],
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness import simulate
-from harness.errors import FmuError
+from harness.errors import UsageError
 from harness.results.csv_files import write_csv
 from tests.harness.simulation.fmus import TYPES_3, model_fmu, needs_compiler
 
@@ -111,5 +111,5 @@ def test_the_types_of_fmi_1_and_2(kind: str, interface: str | None) -> None:
     ("Int16_in", 1.5),
 ])  # fmt: skip
 def test_what_does_not_fit_is_refused_instead_of_wrapped(name: str, value: float) -> None:
-    with pytest.raises(FmuError, match=f"variable '{name}' of type .* cannot be set to"):
+    with pytest.raises(UsageError, match=f"'{name}' must be (between .*|a whole number) .*, not"):
         simulate(model_fmu("3"), start_values={name: value})
