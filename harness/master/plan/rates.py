@@ -15,7 +15,7 @@ from harness.fmi.description.model_description import ModelDescription
 from harness.system.graph import Component, FmuComponent, SampledComponent, SensitivityComponent
 from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
 
-MAX_INSTANTS = 100_000
+MAX_INSTANTS = 1_000_000
 
 
 class Rates:
