@@ -88,10 +88,10 @@ def _declared(output: Endpoint, d: ModelDescription, initially: bool) -> tuple[s
 
 @dataclass
 class Held:
-    """`feeding` without what closes a loop, and the `loops` that it closed, in words."""
+    """`feeding` without what closes a loop, and a note on each loop that it closed."""
 
     feeding: dict[Endpoint, frozenset[Endpoint]]
-    loops: dict[frozenset[Endpoint], str] = field(default_factory=dict)
+    notes: dict[frozenset[Endpoint], str] = field(default_factory=dict)
 
 
 def hold_loops(
@@ -110,8 +110,7 @@ def hold_loops(
                 continue
             if not declared:
                 silent = by_component(end for end in outputs if end in loop and is_assumed(end))
-                why = f" (assumed, as no dependencies are listed by {', '.join(silent)})"
-                held.loops[frozenset(loop)] = _circle(graph.subgraph(loop)) + why * bool(silent)
+                held.notes[frozenset(loop)] = _held_note(graph.subgraph(loop), silent)
             for output in loop & held.feeding.keys():
                 if declared or is_assumed(output):
                     held.feeding[output] -= loop
@@ -214,6 +213,16 @@ def _loop_fault(graph: nx.DiGraph[Endpoint], initially: bool) -> str:
     return (
         f"algebraic loop by direct feedthrough{when}: {_circle(graph)}; put a delay on one of "
         'these wires, or let it be solved or held: algebraic_loops = "solve" or "hold"'
+    )
+
+
+def _held_note(graph: nx.DiGraph[Endpoint], silent: Iterable[str]) -> str:
+    names = ", ".join(silent)
+    why = f" (assumed, as no dependencies are listed by {names})" if names else ""
+    return (
+        f"direct feedthrough in a circle: {_circle(graph)}{why}; at each communication point these "
+        'outputs are those of the last step (algebraic_loops = "hold"); "solve" would repeat '
+        "reading and writing until they agree"
     )
 
 

@@ -143,7 +143,7 @@ class _Planner:
             tuple(end for stage in self.stages for end in stage.every_output),
             self.written,
             self.recorded,
-            (*map(_held_note, self.held.values()), *self.rates.notes),
+            (*self.held.values(), *self.rates.notes),
         )
 
     # order
@@ -191,7 +191,7 @@ class _Planner:
         if self.loops == "hold":
             silent = partial(assumed, descriptions=d, initially=initially)
             held = hold_loops(outputs, wires, feeding, silent)
-            self.held |= held.loops
+            self.held |= held.notes
             feeding = held.feeding.__getitem__
         solve = self.loops == "solve"
         return coupling_stages(outputs, wires, feeding, solve=solve, initially=initially), feeding
@@ -307,14 +307,6 @@ class _Planner:
             yield Transfer(wires)
             yield from self._write(self.fmus)
         yield from self.algorithm.begin()
-
-
-def _held_note(loop: str) -> str:
-    return (
-        f"direct feedthrough in a circle: {loop}; at each communication point these outputs are "
-        'those of the last step (algebraic_loops = "hold"); "solve" would repeat reading and '
-        "writing until they agree"
-    )
 
 
 def _pass_on(wires: Collection[Wire], view: View) -> Iterator[Action]:

@@ -73,9 +73,10 @@ class Rates:
 
     def _rate_notes(self) -> Iterator[str]:
         for wire in self.lowered.wires:
-            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
-            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
-            other = target if fmu is source else source
+            names = sorted((wire.source.component, wire.target.component))
+            first, second = (self.by_name[name] for name in names)
+            fmu = next((c for c in (first, second) if isinstance(c, FmuComponent)), None)
+            other = second if fmu is first else first
             if fmu is None or isinstance(other, DelayComponent):
                 continue
             rate = rate_of(other)

@@ -56,7 +56,12 @@ def test_the_row_at_a_stop_time_off_the_controllers_grid() -> None:
     assert rows["controller.u"].tolist() == [0.0, 0.014, 0.035, 0.056, 0.077, 0.098]
 
 
-def test_a_note_names_both() -> None:
+def test_one_note_names_both() -> None:
     plan = plan_system(loop(lambda time, y: y), {"plant": MockFmu()})  # type: ignore[arg-type]
-    assert len(plan.notes) == 1
-    assert plan.notes[0].startswith("controller runs every 7 ms and plant steps by 10 ms")
+    (note,) = plan.notes
+    assert note.startswith("controller runs every 7 ms and plant steps by 10 ms")
+    both = system(fmu("a"), fmu("b", 7 * MS), wire("a.y", "b.u"), wire("b.y", "a.u"),
+                  stop_ns=140 * MS)  # fmt: skip
+    plan = plan_system(both, {"a": MockFmu(), "b": MockFmu()})  # type: ignore[arg-type]
+    (note,) = plan.notes
+    assert note.startswith("b runs every 7 ms and a steps by 10 ms")
