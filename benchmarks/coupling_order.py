@@ -31,7 +31,6 @@ from benchmarks.measuring import write_json
 from fmus.oscillator_left.model import plant as left
 from fmus.oscillator_right.model import plant as right
 from harness.bench import Bench
-from harness.system.graph import ALGORITHMS
 
 STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 DISPLACEMENT = 0.1  # m
@@ -44,6 +43,7 @@ WIRES = (
     ("left.velocity", "right.left_velocity"),
     ("right.coupling_force", "left.coupling_force"),
 )
+ALGORITHMS = ("jacobi", "gauss-seidel", "iterative")
 WIRE_NAMES = ("hold", "linear")
 
 

@@ -56,10 +56,11 @@ class Bench:
 
     `step` is the communication step of the FMUs, the sample time of controllers and signals, and
     the interval of recorded rows, each unless stated otherwise. `algorithm` couples FMUs:
-    "jacobi", "gauss-seidel" or "iterative"; `algebraic_loops` between them are refused or solved
-    ("refuse", "solve"), and what is repeated has converged to `coupling_tolerance` (relative)
-    within `max_iterations`. `seed` seeds all noise. `fmi_version` is that of the FMUs built
-    from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the
+    "jacobi", "gauss-seidel", "iterative", another registered one or "package.module:Class";
+    `algebraic_loops` between them have the values of the last step ("hold"), or are refused or
+    solved ("refuse", "solve"), and what is repeated has converged to `coupling_tolerance`
+    (relative) within `max_iterations`. `seed` seeds all noise. `fmi_version` is that of the FMUs
+    built from plants, `portable` asks for their Python packaging (FMI 2). `controllers` are the
     controller objects by component name.
     """
 
@@ -72,7 +73,7 @@ class Bench:
         record_step: float | None = None,
         record: Sequence[str] = ("*",),
         algorithm: str = "jacobi",
-        algebraic_loops: str = "refuse",
+        algebraic_loops: str = "hold",
         coupling_tolerance: float = 1e-6,
         max_iterations: int = 50,
         seed: int = 0,

@@ -1,7 +1,8 @@
-"""Plants, controllers and experiments by name, found through entry points.
+"""Plants, controllers, coupling algorithms and experiments by name, found through entry points.
 
-Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers` or
-`fmu_harness.experiments` plugs in; the harness imports none of them by itself.
+Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers`,
+`fmu_harness.algorithms` or `fmu_harness.experiments` plugs in; the harness imports none of them
+by itself, and has no list of its own.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from harness.errors import FmuError, UsageError, nearest
 
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
+ALGORITHMS = "fmu_harness.algorithms"
 EXPERIMENTS = "fmu_harness.experiments"
 PACKAGERS = "fmu_harness.packagers"
 _OWN_PACKAGERS = {"native": "fmus.packaging.blocks:package_block"}  # where none is registered
@@ -75,6 +77,11 @@ def controller(name: str) -> Any:
     return _load(CONTROLLERS, name, "controller")
 
 
+def algorithm(name: str) -> Any:
+    """The algorithm registered under `name`, or that of "package.module:Class"."""
+    return _load(ALGORITHMS, name, "algorithm")
+
+
 def packager(name: str) -> Any:
     """What makes FMUs of blocks, under `name`; raises `UsageError` when there is none."""
     own = _OWN_PACKAGERS.get(name, name)
@@ -104,16 +111,23 @@ def experiment(name: str) -> Path:
     return known[name]
 
 
-def _load(group: str, name: str, what: str) -> Any:
+def check_name(group: str, name: str, what: str) -> None:
+    """Raises `UsageError` for a name that is neither registered nor that of an object in a module;
+    nothing is imported."""
     known = _entries(group)
-    if name in known:
-        return known[name].load()
-    if ":" not in name:
+    if name not in known and ":" not in name:
         raise UsageError(
             f"no {what} {name!r}; {nearest(name, known)} (or 'package.module:object' for your own)"
         )
+
+
+def _load(group: str, name: str, what: str) -> Any:
+    check_name(group, name, what)
+    known = _entries(group)
     module, _, attribute = name.partition(":")
     try:
+        if name in known:
+            return known[name].load()
         return getattr(importlib.import_module(module), attribute)
     except (ImportError, AttributeError) as fault:
         raise UsageError(f"{what} {name!r} cannot be imported: {fault}") from fault

@@ -10,6 +10,7 @@ ROOMS = ("fmus", "harness", "controllers", "experiments", "tests", "benchmarks")
 FLOORS = (
     "harness.errors",
     "harness.clock",
+    "harness.registry",
     "harness.system.block",
     "harness.system.units",
     "harness.instruments",
@@ -22,7 +23,6 @@ FLOORS = (
     "harness.process",
     "harness.simulation",
     "harness.inspection",
-    "harness.registry",
     "harness.bench",
     "harness.experiment",
     "harness.export",

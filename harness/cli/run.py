@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -127,6 +128,8 @@ def _run(
                     raise
                 faults[name] = fault
                 results[name] = fault.result
+    for note in (note for result in results.values() for note in result.manifest.notes):
+        warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
     console().print(metrics_table(loaded, results) if judged else signals_table(loaded, results))
     yield from write_report(loaded, results, folder)

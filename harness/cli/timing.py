@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import groupby
 from typing import TYPE_CHECKING, Annotated
 
@@ -45,6 +46,8 @@ def timing_command(
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:
             plan = plan_system(system, fmus)
+        for note in plan.notes:
+            warnings.warn(note, stacklevel=2)
 
         def measure(teller: Teller) -> dict[Endpoint, tuple[Arrival, ...]]:
             teller.show_loops()

@@ -20,6 +20,7 @@ from pydantic import (
     model_validator,
 )
 
+from harness import registry
 from harness.errors import UsageError
 from harness.process.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
 
@@ -254,8 +255,8 @@ class ExperimentSpec(Strict):
     step: float = 0.01
     record_step: float | None = None
     record: tuple[str, ...] = ("*",)
-    algorithm: Literal["jacobi", "gauss-seidel", "iterative"] = "jacobi"
-    algebraic_loops: Literal["refuse", "solve"] = "refuse"
+    algorithm: str = "jacobi"
+    algebraic_loops: Literal["hold", "refuse", "solve"] = "hold"
     coupling_tolerance: float = Field(default=1e-6, gt=0.0, lt=1.0)
     max_iterations: int = Field(default=50, ge=2)
     seed: int = Field(default=0, ge=0)
@@ -271,6 +272,15 @@ class ExperimentSpec(Strict):
     sweep: SweepSpec | None = None
     limits: LimitsSpec = LimitsSpec()
     checkpoint: CheckpointSpec = CheckpointSpec()
+
+    @field_validator("algorithm")
+    @classmethod
+    def _an_algorithm(cls, given: str) -> str:
+        try:
+            registry.check_name(registry.ALGORITHMS, given, "algorithm")
+        except UsageError as fault:
+            raise ValueError(str(fault)) from fault
+        return given
 
     def run_limits(self) -> Limits:
         """The limits of a run."""

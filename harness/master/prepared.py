@@ -80,6 +80,7 @@ class PreparedSystem:
             fmus=tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self._fmus.items()),
             seeds={"seed": plan.lowered.system.seed},
             experiment=dict(experiment or {}),
+            notes=plan.notes,
         )
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:

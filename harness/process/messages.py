@@ -36,12 +36,13 @@ class Job:
 @dataclass(frozen=True)
 class Planned:
     """The system is whole; the worker waits for leave to go on. `files` by FMU component;
-    `not_resumable`: why there can be no checkpoints, or nothing."""
+    `not_resumable`: why there can be no checkpoints, or nothing; `notes` are those of the plan."""
 
     columns: tuple[Column, ...]
     fmus: tuple[FmuRecord, ...]
     files: dict[str, Path]
     not_resumable: str
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def run_supervised(
     def open_recording(planned: Planned) -> Recording:
         manifest = Manifest(
             fmus=planned.fmus, seeds={"seed": system.seed}, experiment=dict(experiment or {}),
-            not_resumable=planned.not_resumable,
+            not_resumable=planned.not_resumable, notes=planned.notes,
         )  # fmt: skip
         rows = None if not resume else resumed.rows if resumed is not None else 0
         return Recording(planned.columns, folder, manifest, continued=rows)

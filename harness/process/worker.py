@@ -75,7 +75,7 @@ def _run(job: Job, around: _Watched) -> Ended:
         records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
         files = {name: fmu.path for name, fmu in fmus.items()}
         reason = around.plan(plan, fmus)
-        around.tell(Planned(columns, records, files, reason))
+        around.tell(Planned(columns, records, files, reason, plan.notes))
         around.hear()
         outcome = execute(plan, fmus, around, echo=around.heard, logging=job.logging, host=around)
     if outcome.fault is None:

@@ -56,7 +56,8 @@ class FmuRecord:
 @dataclass(frozen=True)
 class Manifest:
     """The content of `manifest.json`. `seeds` by name of the random source, `experiment` resolved
-    to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints."""
+    to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints;
+    `notes` say what was chosen where the experiment says nothing."""
 
     columns: tuple[Column, ...] = ()
     status: RunStatus = field(default_factory=lambda: RunStatus(RUNNING))
@@ -68,6 +69,7 @@ class Manifest:
     started: str = field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
     wall_time: float | None = None
     not_resumable: str = ""
+    notes: tuple[str, ...] = ()
     format: int = 1
 
     def write(self, folder: Path) -> None:
@@ -85,6 +87,7 @@ def read_manifest(folder: Path) -> Manifest:
         data["columns"] = tuple(Column(**one) for one in data["columns"])
         data["status"] = RunStatus(**data["status"])
         data["fmus"] = tuple(FmuRecord(**one) for one in data["fmus"])
+        data["notes"] = tuple(data.get("notes", ()))
         return Manifest(**data)
     except FileNotFoundError as fault:
         raise RecordingError(f"{folder} is no run folder: it holds no {FILE_NAME}") from fault

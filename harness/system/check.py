@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
+from harness import registry
 from harness.clock import show
 from harness.errors import GraphError, HarnessError, UnitError, UsageError, nearest
 from harness.fmi.description.model_description import (
@@ -23,7 +24,6 @@ from harness.fmi.description.model_description import (
 from harness.fmi.start_values import judge_start_values
 from harness.system.graph import (
     ALGEBRAIC_LOOPS,
-    ALGORITHMS,
     Component,
     Connection,
     Convergence,
@@ -82,8 +82,10 @@ def check(system: System, descriptions: Descriptions) -> None:
 
 
 def _component_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
-    if system.algorithm not in ALGORITHMS:
-        yield f"algorithm {system.algorithm!r} is unknown; {nearest(system.algorithm, ALGORITHMS)}"
+    try:
+        registry.check_name(registry.ALGORITHMS, system.algorithm, "algorithm")
+    except UsageError as fault:
+        yield str(fault)
     if system.algebraic_loops not in ALGEBRAIC_LOOPS:
         hint = nearest(system.algebraic_loops, ALGEBRAIC_LOOPS)
         yield f"algebraic_loops {system.algebraic_loops!r} is unknown; {hint}"

@@ -118,7 +118,7 @@ class Connection:
     It arrives as `factor` · value + `offset`, the value being converted to the unit of the target
     first, unless `convert_units` is off.
     `extrapolation` is the order of what an FMU sees of another one during a step: 0 holds the
-    value, 1 takes it to change linearly (see `execution.master`).
+    value, 1 takes it to change linearly (see `master.algorithms.base`).
     """
 
     source: Endpoint
@@ -144,13 +144,15 @@ class Convergence:
 class System:
     """Components, connections, times and the algorithm that couples the FMUs.
 
-    `algorithm` is "jacobi", "gauss-seidel" (FMUs step in the order in which they stand in
-    `components`) or "iterative" (FMUs that drive each other repeat a step until it agrees with
-    what they reach). `algebraic_loops` says whether loops of direct feedthrough are an error
-    ("refuse") or solved ("solve"); the iterative algorithm always solves them. `convergence` is
-    that of both. A row is recorded every `record_ns`. All times are whole ticks: nanoseconds, or
-    parts of them where an FMU's own step is no whole number of nanoseconds. `single`: the one FMU
-    is all there is, so the run is its own: columns bear the names of its variables.
+    `algorithm` is the name of a registered algorithm, such as "jacobi", "gauss-seidel" (FMUs step
+    in the order in which they stand in `components`) or "iterative" (FMUs that drive each other
+    repeat a step until it agrees with what they reach), or "package.module:Class" (see
+    `master.algorithms.base`). `algebraic_loops` says what becomes of loops of direct feedthrough:
+    "hold", "refuse" or "solve" (see `master.plan.order`); an algorithm may solve them instead of
+    holding. `convergence` is that of all repetitions. A row is recorded every `record_ns`. All
+    times are whole ticks: nanoseconds, or parts of them where an FMU's own step is no whole number
+    of nanoseconds. `single`: the one FMU is all there is, so the run is its own: columns bear the
+    names of its variables.
     """
 
     components: tuple[Component, ...]
@@ -160,7 +162,7 @@ class System:
     record_ns: int
     algorithm: str = "jacobi"
     seed: int = 0
-    algebraic_loops: str = "refuse"
+    algebraic_loops: str = "hold"
     convergence: Convergence = Convergence()
     ticks_per_second: int = NANOSECONDS
     single: bool = False
@@ -168,11 +170,6 @@ class System:
     def seconds(self, ticks: int) -> float:
         """The double nearest to an instant, in seconds."""
         return ticks / self.ticks_per_second
-
-    @property
-    def solves_loops(self) -> bool:
-        """Whether loops of direct feedthrough are solved."""
-        return self.algorithm == "iterative" or self.algebraic_loops == "solve"
 
     def component(self, name: str) -> Component:
         """The component of that name; raises KeyError."""
@@ -188,5 +185,4 @@ class System:
         return tuple(c for c in self.components if isinstance(c, FmuComponent))
 
 
-ALGORITHMS = ("jacobi", "gauss-seidel", "iterative")
-ALGEBRAIC_LOOPS = ("refuse", "solve")
+ALGEBRAIC_LOOPS = ("hold", "refuse", "solve")

@@ -67,6 +67,14 @@ class LoweredSystem:
         return self.system.fmus
 
     @property
+    def fmu_wires(self) -> tuple[Wire, ...]:
+        """The wires from FMU to FMU that nothing delays."""
+        names = {c.name for c in self.fmus}
+        return tuple(
+            w for w in self.wires if w.source.component in names and w.target.component in names
+        )
+
+    @property
     def sampled(self) -> tuple[SampledComponent, ...]:
         """Everything that is no FMU."""
         return tuple(c for c in self.components if not isinstance(c, FmuComponent))

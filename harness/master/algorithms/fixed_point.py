@@ -10,8 +10,14 @@ its size. An affine g of n signals is solved in n + 1 differences whatever its g
 repetition needs a contraction; one signal alone is the secant method. Nothing is differentiated.
 
 A signal has converged when |f| is at most `tolerance` times the larger of its nominal value and
-its present size. Whole numbers and booleans take no part in the combination: they are repeated
-until they stay as they are.
+its present size. That alone is no proof: where the loop is singular, z runs away until any f is
+small beside it. In a direction in which g hardly contracts, f shrinks as the error of z does, so f
+must also have shrunk: with s the larger of the nominal value and the first sizes of the signal,
+
+    |f| + eps (size - s) <= s max(tolerance, SHRUNK max over signals of |f_first| / s),
+
+where eps (size - s) is what rounding of a z that has grown so large hides of f. Whole numbers and
+booleans take no part in the combination: they are repeated until they stay as they are.
 
 It refuses to know what g is: the program evaluates it between two calls.
 """
@@ -26,6 +32,8 @@ import numpy as np
 from harness.system.block import Array, KernelBlock, Port
 
 MAX_DEPTH = 40
+SHRUNK = 1e-3
+_EPSILON = float(np.finfo(np.float64).eps)
 _DEPENDENT = 1e-9  # a difference that the others explain up to this share of it says nothing
 
 
@@ -34,16 +42,23 @@ def fixed_point_step(p: Array, x: Array, u: Array, y: Array) -> None:
 
     state: 1 go on with the new z, 0 converged, NaN given up after the last evaluation allowed.
     p = (n, depth, evaluations allowed, tolerance, nominal value of each signal, 0 where it is
-    discrete); x = (evaluations so far, then f, g, w (n,), dF, dG, Q (depth, n), R (depth, depth),
-    γ (depth,)).
+    discrete); x = (evaluations so far, max |f_first| / s, then f, g, w, s (n,), dF, dG,
+    Q (depth, n), R (depth, depth), γ (depth,)).
     """
     n, depth = int(p[0]), int(p[1])
     count = int(x[0])
-    f, g, w = x[1 : 1 + n], x[1 + n : 1 + 2 * n], x[1 + 2 * n : 1 + 3 * n]
-    base = 1 + 3 * n
+    f, g, w, s = x[2 : 2 + n], x[2 + n : 2 + 2 * n], x[2 + 2 * n : 2 + 3 * n], x[2 + 3 * n :]
+    base = 2 + 4 * n
     d_f = x[base : base + depth * n].reshape(depth, n)
     d_g = x[base + depth * n : base + 2 * depth * n].reshape(depth, n)
     column = (count - 1) % depth
+    if count == 0:
+        x[1] = 0.0
+        for i in range(n):
+            s[i] = max(p[4 + i], abs(u[i]), abs(y[1 + i]))
+            if p[4 + i] > 0.0:
+                x[1] = max(x[1], abs(u[i] - y[1 + i]) / s[i])
+    share = max(p[3], SHRUNK * x[1])
     converged = True
     for i in range(n):
         new_f = u[i] - y[1 + i]
@@ -51,6 +66,7 @@ def fixed_point_step(p: Array, x: Array, u: Array, y: Array) -> None:
             size = max(p[4 + i], abs(u[i]), abs(y[1 + i]))
             w[i] = 1.0 / size
             converged = converged and abs(new_f) <= p[3] * size
+            converged = converged and abs(new_f) + _EPSILON * (size - s[i]) <= share * s[i]
         else:
             w[i] = 0.0
             converged = converged and round(u[i]) == round(y[1 + i])
@@ -118,6 +134,11 @@ def combine(x: Array, n: int, depth: int, known: int, newest: int, f: Array, w: 
         gamma[(newest - a) % depth] = value / r[a, a] if r[a, a] > 0.0 else 0.0
 
 
+def first_sizes(x: Array, n: int) -> Array:
+    """s of the n signals, of the state of the step."""
+    return x[2 + 3 * n : 2 + 4 * n]
+
+
 def fixed_point_block(
     nominal: Sequence[float], tolerance: float, max_iterations: int
 ) -> KernelBlock:
@@ -132,5 +153,5 @@ def fixed_point_block(
         (Port("state"), *(Port(f"z{i}") for i in range(n))),
         fixed_point_step,
         np.array([n, depth, max_iterations, tolerance, *nominal], dtype=np.float64),
-        np.zeros(1 + 3 * n + 3 * depth * n + depth * depth + depth),
+        np.zeros(2 + 4 * n + 3 * depth * n + depth * depth + depth),
     )

@@ -8,10 +8,10 @@ At each instant, in this order (the timing contract):
     3  what they computed goes to the FMU inputs and into delay lines, a row is recorded
     4  FMUs step to their next instant
 
-The algorithms by which FMUs are coupled differ in part 4 only, which is `master`'s.
+The algorithms by which FMUs are coupled differ in part 4 only, which is theirs.
 
-It refuses loops of blocks without delay, and loops of direct feedthrough unless they are to be
-solved; `rates` refuses rates that do not fit together.
+It refuses loops of blocks without delay, and loops of direct feedthrough where that is asked for;
+`rates` refuses rates that do not fit together.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import networkx as nx
 
 from harness.errors import GraphError
 from harness.fmi.description.model_description import ModelDescription
-from harness.master.algorithms.algorithms import Master, by_component
+from harness.master.algorithms.base import algorithm
 from harness.master.plan.actions import (
     Action,
     Compute,
@@ -38,7 +38,15 @@ from harness.master.plan.actions import (
     Write,
 )
 from harness.master.plan.calendar import Calendar, Event, Role
-from harness.master.plan.order import Feeding, Stage, coupling_stages, feeding_inputs
+from harness.master.plan.order import (
+    Feeding,
+    Stage,
+    assumed,
+    by_component,
+    coupling_stages,
+    feeding_inputs,
+    hold_loops,
+)
 from harness.master.plan.rates import Rates
 from harness.participants.memory import View
 from harness.system.graph import (
@@ -59,7 +67,7 @@ class Plan:
     Instants at which the same things are due share one tuple of actions. `initial` propagates
     values once, before the first cycle; `read` and `written` are the FMU
     ports that the plan touches, each in the order in which they should lie in memory; `recorded`
-    are the columns of a row.
+    are the columns of a row. `notes` are sentences for the user on what was chosen for him.
     """
 
     lowered: LoweredSystem
@@ -69,6 +77,7 @@ class Plan:
     read: tuple[Endpoint, ...]
     written: tuple[Endpoint, ...]
     recorded: tuple[Endpoint, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def actions(self) -> tuple[Action, ...]:
@@ -107,17 +116,20 @@ class _Planner:
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
-        self.rates = Rates(lowered, descriptions)
+        kind = algorithm(self.system.algorithm)
+        self.rates = Rates(lowered, descriptions, kind.together(lowered))
         self.cycle_ns = self.rates.cycle_ns
         self.blocks = self._order_blocks()
-        self.stages = self._reading_stages(partial(feeding_inputs, descriptions=descriptions))
-        self.initial_stages = self._reading_stages(
-            partial(feeding_inputs, descriptions=descriptions, initially=True), initially=True
-        )
+        self.loops = self.system.algebraic_loops
+        if self.loops == "hold" and kind.solves_loops:
+            self.loops = "solve"
+        self.held: dict[frozenset[Endpoint], str] = {}
+        self.initial_stages, _ = self._reading_stages(initially=True)
+        self.stages, self.feeding = self._reading_stages()
         self.fresh = self._fresh_stages()
         self.written = self._written()
         self.written_of = by_component(self.written)
-        self.master = Master(lowered, descriptions, self.rates.grid, self.written_of)
+        self.algorithm = kind(lowered, descriptions, self.written_of)
 
     def plan(self) -> Plan:
         instants = self._calendar().instants()
@@ -131,6 +143,7 @@ class _Planner:
             tuple(end for stage in self.stages for end in stage.every_output),
             self.written,
             self.recorded,
+            (*self.held.values(), *self.rates.notes),
         )
 
     # order
@@ -164,16 +177,24 @@ class _Planner:
         recorded = [end for end in self.recorded if end.component in self.fmus]
         return [*wired, *(end for end in recorded if end not in inputs)]
 
-    def _reading_stages(self, feeding: Feeding, initially: bool = False) -> tuple[Stage, ...]:
+    def _reading_stages(self, initially: bool = False) -> tuple[tuple[Stage, ...], Feeding]:
+        """The stages of an instant, and on what outputs depend in them."""
+
         def known(wire: Wire) -> bool:
             source = self.by_name[wire.source.component]
             return isinstance(source, (FmuComponent, SignalComponent))
 
         wires = [w for w in self.lowered.wires if w.target.component in self.fmus and known(w)]
-        solve = self.system.solves_loops
-        return coupling_stages(
-            self._fmu_sources(), wires, feeding, solve=solve, initially=initially
-        )
+        outputs = self._fmu_sources()
+        d = self.descriptions
+        feeding: Feeding = partial(feeding_inputs, descriptions=d, initially=initially)
+        if self.loops == "hold":
+            silent = partial(assumed, descriptions=d, initially=initially)
+            held = hold_loops(outputs, wires, feeding, silent)
+            self.held |= held.notes
+            feeding = held.feeding.__getitem__
+        solve = self.loops == "solve"
+        return coupling_stages(outputs, wires, feeding, solve=solve, initially=initially), feeding
 
     def _fresh_stages(self) -> tuple[Stage, ...]:
         """How outputs that depend directly on what blocks have just computed reach other FMUs."""
@@ -186,7 +207,7 @@ class _Planner:
             found = {
                 w.source: None for w in wires
                 if w.source.component in self.fmus and w.source not in outputs
-                and feeding_inputs(w.source, self.descriptions) & changed
+                and self.feeding(w.source) & changed
             }  # fmt: skip
             if not found:
                 break
@@ -195,8 +216,7 @@ class _Planner:
         if not outputs:
             return ()
         inner = [w for w in wires if w.source in outputs]
-        feeding = partial(feeding_inputs, descriptions=self.descriptions)
-        return coupling_stages(outputs, inner, feeding, solve=self.system.solves_loops)
+        return coupling_stages(outputs, inner, self.feeding, solve=self.loops == "solve")
 
     def _written(self) -> tuple[Endpoint, ...]:
         early = [wire.target for stage in self.stages for wire in stage.every_wire]
@@ -236,7 +256,7 @@ class _Planner:
             yield Transfer(tuple(self.wires_to[name]))
         if names[Role.RECORD]:
             yield Record()
-        yield from self.master.steps(due)
+        yield from self.algorithm.steps(due)
 
     def _compute(self, component: Component) -> Iterator[Action]:
         if self.wires_to[component.name]:
@@ -286,7 +306,7 @@ class _Planner:
         if wires:
             yield Transfer(wires)
             yield from self._write(self.fmus)
-        yield from self.master.begin()
+        yield from self.algorithm.begin()
 
 
 def _pass_on(wires: Collection[Wire], view: View) -> Iterator[Action]:

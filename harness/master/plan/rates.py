@@ -1,31 +1,34 @@
 """The rates of a system: the cycle that they share, and what falls on which instant of it.
 
-It refuses rates that do not divide one another, phases outside of their period, cycles that would
-need more than `MAX_ACTIONS` actions, and communication points that an FMU cannot keep.
+Rates need not divide one another: each component is due at its own instants, phase + k period, and
+sees of others what they had at their last one. It refuses phases outside of their period, cycles
+of more than `MAX_INSTANTS` instants, and communication points that an FMU cannot keep.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from harness.clock import common_cycle, show
 from harness.errors import TimingError
 from harness.fmi.description.model_description import ModelDescription
-from harness.master.algorithms.algorithms import strong_groups
 from harness.system.graph import Component, FmuComponent, SampledComponent, SensitivityComponent
 from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
 
-MAX_ACTIONS = 1_000_000
+MAX_INSTANTS = 1_000_000
 
 
 class Rates:
     """`cycle_ns` after which everything repeats, and `grid`: the communication points of each FMU
-    in it (ns after its beginning)."""
+    in it (ns after its beginning). `notes` are sentences on rates that do not divide."""
 
     def __init__(
-        self, lowered: LoweredSystem, descriptions: Mapping[str, ModelDescription]
+        self,
+        lowered: LoweredSystem,
+        descriptions: Mapping[str, ModelDescription],
+        together: tuple[tuple[str, ...], ...] = (),
     ) -> None:
-        """Raises `TimingError`."""
+        """FMUs that step `together` get the same grid. Raises `TimingError`."""
         self.lowered = lowered
         self.system = lowered.system
         self.descriptions = descriptions
@@ -35,13 +38,16 @@ class Rates:
         for wire in lowered.wires:
             self.wires_to[wire.target.component].append(wire)
         self._check_phases()
-        self._check_rates()
+        self._check_sensitivities()
+        self.notes = tuple(dict.fromkeys(self._rate_notes()))
         periods = [rate_of(c).period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
         self._check_size()
         self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
         self._check_stop()
-        self._join_grids()
+        for group in together:
+            self._join_grids(group)
+        self._check_linear_wires()
 
     def _check_phases(self) -> None:
         for c in self.lowered.sampled:
@@ -54,7 +60,7 @@ class Rates:
                     f"{show(rate.period_ns)}"
                 )
 
-    def _check_rates(self) -> None:
+    def _check_sensitivities(self) -> None:
         for c in self.lowered.sampled:
             if isinstance(c, SensitivityComponent):
                 step_ns = self.fmus[c.component].step_ns
@@ -64,42 +70,61 @@ class Rates:
                         f"{show(c.phase_ns)}) but {c.component} steps by {show(step_ns)}: both "
                         "must be whole multiples of it"
                     )
+
+    def _rate_notes(self) -> Iterator[str]:
         for wire in self.lowered.wires:
-            source, target = (self.by_name[e.component] for e in (wire.source, wire.target))
-            fmu = next((c for c in (source, target) if isinstance(c, FmuComponent)), None)
-            other = target if fmu is source else source
+            names = sorted((wire.source.component, wire.target.component))
+            first, second = (self.by_name[name] for name in names)
+            fmu = next((c for c in (first, second) if isinstance(c, FmuComponent)), None)
+            other = second if fmu is first else first
             if fmu is None or isinstance(other, DelayComponent):
                 continue
             rate = rate_of(other)
             fast, slow = sorted((fmu.step_ns, rate.period_ns))
             if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
                 offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
-                raise TimingError(
-                    f"{other.name} runs every {show(rate.period_ns)}{offset} but {fmu.name} steps "
-                    f"by {show(fmu.step_ns)}: one must be a whole multiple of the other"
+                yield (
+                    f"{other.name} runs every {show(rate.period_ns)}{offset} and {fmu.name} steps "
+                    f"by {show(fmu.step_ns)}: in between, each sees what the other had at its "
+                    "last instant"
                 )
 
-    def _join_grids(self) -> None:
-        """FMUs that repeat their steps together communicate at the same instants."""
-        for group in strong_groups(self.lowered) if self.system.algorithm == "iterative" else ():
-            steps = {self.fmus[name].step_ns for name in group}
-            if len(steps) > 1:
-                text = ", ".join(f"{name} {show(self.fmus[name].step_ns)}" for name in group)
+    def _join_grids(self, group: tuple[str, ...]) -> None:
+        """FMUs that step together communicate at the same instants."""
+        steps = {self.fmus[name].step_ns for name in group}
+        if len(steps) > 1:
+            text = ", ".join(f"{name} {show(self.fmus[name].step_ns)}" for name in group)
+            raise TimingError(
+                f"the {self.system.algorithm} algorithm lets FMUs that drive each other step "
+                f"together, so their steps must be equal: {text}"
+            )
+        joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
+        for name in group:
+            capabilities = self.descriptions[name].co_simulation
+            fixed = capabilities is not None and not capabilities.can_handle_variable_step
+            if fixed and self.grid[name] != joined:
                 raise TimingError(
-                    f"the iterative algorithm repeats the steps of FMUs that drive each other "
-                    f"together, so their steps must be equal: {text}"
+                    f"a delayed value arrives between the steps of FMUs that step together "
+                    f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
+                    "that is a multiple of it"
                 )
-            joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
-            for name in group:
-                capabilities = self.descriptions[name].co_simulation
-                fixed = capabilities is not None and not capabilities.can_handle_variable_step
-                if fixed and self.grid[name] != joined:
-                    raise TimingError(
-                        f"a delayed value arrives between the steps of FMUs that step together "
-                        f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
-                        "that is a multiple of it"
-                    )
-                self.grid[name] = joined
+            self.grid[name] = joined
+
+    def _check_linear_wires(self) -> None:
+        for wire in self.lowered.fmu_wires:
+            source, name = wire.source.component, wire.target.component
+            uneven = any(offset % self.fmus[name].step_ns for offset in self.grid[name])
+            if wire.linear and (uneven or self.grid[source] != self.grid[name]):
+                raise TimingError(
+                    f"connection {wire.source} -> {wire.target} is extrapolated, for which "
+                    f"{source} and {name} must communicate at the same, evenly spaced "
+                    f"instants: {self._spacing(source)}, {self._spacing(name)}"
+                )
+
+    def _spacing(self, name: str) -> str:
+        grid = self.grid[name]
+        more = ", …" if len(grid) > 4 else ""
+        return f"{name} at {', '.join(map(show, grid[:4]))}{more}"
 
     def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
         offsets = set(range(0, self.cycle_ns, fmu.step_ns))
@@ -126,20 +151,22 @@ class Rates:
     def _check_size(self) -> None:
         rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
         count = sum(self.cycle_ns // period for period in rates.values())
-        if count > MAX_ACTIONS:
+        if count > MAX_INSTANTS:
             text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])
             raise TimingError(
                 f"the rates share no cycle shorter than {show(self.cycle_ns)}, which would take "
-                f"{count} actions (at most {MAX_ACTIONS}); choose rates that divide one another: "
+                f"{count} instants (at most {MAX_INSTANTS}); choose rates with a shorter common "
+                "multiple: "
                 f"{text}"
             )
 
     def _check_stop(self) -> None:
         length = self.system.stop_ns - self.system.start_ns
+        common = common_cycle(fmu.step_ns for fmu in self.fmus.values())
+        nearest_ns = self.system.start_ns + max(1, round(length / common)) * common
         for fmu in self.fmus.values():
             if length % fmu.step_ns:
                 raise TimingError(
                     f"{fmu.name} steps by {show(fmu.step_ns)}, which does not divide the run of "
-                    f"{show(length)}; the nearest stop time is "
-                    f"{show(self.system.start_ns + round(length / fmu.step_ns) * fmu.step_ns)}"
+                    f"{show(length)}; the nearest stop time is {show(nearest_ns)}"
                 )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.fmi.description.model_description import REAL_TYPES, ModelDescription
-from harness.master.algorithms.fixed_point import fixed_point_block
+from harness.master.algorithms.fixed_point import first_sizes, fixed_point_block
 from harness.master.plan.actions import Iterate
 from harness.system.graph import System
 from harness.system.lowering import Wire
@@ -48,10 +48,10 @@ class Iteration:
         return [op.CALL_5, *self.compiled.call(*arrays, found, state)]
 
     def residuals(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """|found - assumed| of each wire (n,), relative to its size; `v` are the slots."""
-        found, assumed = v[list(self.found)], v[list(self.assumed)]
-        size = np.maximum(np.maximum(np.abs(found), np.abs(assumed)), self.nominal)
-        return np.asarray(np.abs(found - assumed) / np.where(size > 0.0, size, 1.0))
+        """|found - assumed| of each wire (n,), relative to its first size; `v` are the slots."""
+        size = first_sizes(self.work, len(self.assumed))
+        residual = np.abs(v[list(self.found)] - v[list(self.assumed)])
+        return np.asarray(residual / np.where(size > 0.0, size, 1.0))
 
 
 def _nominal(wire: Wire, descriptions: Descriptions) -> float:

@@ -13,7 +13,7 @@ CASES = [
     ("stop_time = 1.0", 'stop_time = "long"', "key stop_time: .*number.*not 'long'"),
     ("seed = 5", "sead = 5", "key sead: unknown key; did you mean 'seed'"),
     ("seed = 5", "seed = -1", "key seed: .*greater than or equal to 0, not -1"),
-    ("seed = 5", 'algorithm = "jacoby"', "algorithm: .*'iterative', not 'jacoby'"),
+    ("seed = 5", 'algorithm = "jacoby"', "algorithm: .*no algorithm 'jacoby'; did.*'jacobi'"),
     ("seed = 5", "fmi_version = 1", "key fmi_version: must be one of 2 or 3, not 1"),
     ('outputs = ["y"]', 'output = ["y"]', r"lag\.output: unknown key; did.*'outputs'"),
     ('signal = "step"', 'signl = "step"', "reference: must have exactly one of the keys"),

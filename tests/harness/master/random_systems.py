@@ -65,18 +65,17 @@ def systems(draw: st.DrawFn) -> Case:
     tick = draw(st.sampled_from([1_000_000, 700_000, 123_457]))
     fmus = {f"fmu{i}": draw(mock_fmus()) for i in range(draw(st.integers(1, 3)))}
     components: list[Component] = [
-        FmuComponent(name, Path("mock.fmu"), tick * draw(st.sampled_from([2, 4, 4])))
+        FmuComponent(name, Path("mock.fmu"), tick * draw(st.sampled_from([2, 3, 4, 4])))
         for name in fmus
     ]
     longest = max(c.step_ns for c in components if isinstance(c, FmuComponent))
     for i in range(draw(st.integers(0, 1))):
-        period = longest * draw(st.sampled_from([1, 2]))
+        period = draw(st.sampled_from([longest, 2 * longest, 3 * tick]))
         source = make_signal("white_noise", {"std": 1.0})
         components.append(SignalComponent(f"signal{i}", source, period))
     for i in range(draw(st.integers(1, 3))):
-        slower = draw(st.sampled_from([1, 2, 3]))
-        period = longest * slower
-        phase = longest * draw(st.integers(0, slower - 1))
+        period = draw(st.sampled_from([longest, 2 * longest, 3 * longest, 3 * tick, 5 * tick]))
+        phase = draw(st.sampled_from([0, tick, longest])) % period
         inputs = tuple(Port(f"u{j}") for j in range(draw(st.integers(1, 2))))
         outputs = tuple(Port(f"y{j}", start=0.5) for j in range(draw(st.integers(1, 2))))
         if draw(st.booleans()):
@@ -89,7 +88,7 @@ def systems(draw: st.DrawFn) -> Case:
                 PythonComponent(f"block{i}", control, inputs, outputs[:1], period, phase)
             )
     connections = [wire for c in components for wire in draw(wires(c, components, fmus, tick))]
-    length = 12 * longest
+    length = 48 * tick
     start = draw(st.sampled_from([0, 5 * tick]))
     system = System(
         tuple(draw(st.permutations(components))), tuple(draw(st.permutations(connections))), start,

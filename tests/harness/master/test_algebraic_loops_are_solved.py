@@ -97,10 +97,10 @@ def test_a_loop_without_a_solution_is_named() -> None:
     assert "communication steps" not in text, "smaller steps would not help"
 
 
-def test_unless_asked_for_it_is_refused() -> None:
+def test_where_asked_for_it_is_refused() -> None:
     whole, fmus = ring(3, 5, algebraic_loops="refuse")
     with pytest.raises(GraphError, match='algebraic_loops = "solve"'):
         plan_system(whole, fmus)  # type: ignore[arg-type]
     whole, fmus = ring(3, 5, algebraic_loops="ignore")
-    with pytest.raises(GraphError, match="legal names: refuse, solve"):
+    with pytest.raises(GraphError, match="legal names: hold, refuse, solve"):
         plan_system(whole, fmus)  # type: ignore[arg-type]

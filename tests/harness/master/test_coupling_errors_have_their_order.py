@@ -7,8 +7,7 @@ with each algorithm (`benchmarks.coupling_order` states the theory).
 import numpy as np
 import pytest
 
-from benchmarks.coupling_order import STATES, coupled, monolithic, study
-from harness.system.graph import ALGORITHMS
+from benchmarks.coupling_order import ALGORITHMS, STATES, coupled, monolithic, study
 
 STEPS = (0.01, 0.005, 0.0025)
 

@@ -82,7 +82,7 @@ def test_component_names_are_unique() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"algorithm": "gauss"}, "algorithm 'gauss' is unknown; did you mean 'gauss-seidel'?"),
+        ({"algorithm": "gauss"}, "no algorithm 'gauss'; did you mean 'gauss-seidel'?"),
         ({"stop_ns": 0}, "stop time 0 s is not after start time 0 s"),
     ],
 )

@@ -1,4 +1,5 @@
-"""Rates, phases and stop times off the grid are errors that name both numbers."""
+"""Phases and stop times off the grid, and rates without a usable cycle, are errors that name both
+numbers."""
 
 import pytest
 
@@ -20,18 +21,6 @@ def loop(period_ns: int, phase_ns: int = 0) -> tuple[object, ...]:
     )
 
 
-@pytest.mark.parametrize("period_ms", [15, 4, 7])
-def test_controller_and_plant(period_ms: int) -> None:
-    with pytest.raises(TimingError, match=rf"controller.*{period_ms} ms.*plant.*10 ms.*multiple"):
-        plan(fmu(), *loop(period_ms * MS), stop_ns=420 * MS)
-
-
-def test_phase_off_the_plants_grid() -> None:
-    with pytest.raises(TimingError, match=r"every 20 ms \(first at 5 ms\).*plant steps by 10 ms"):
-        plan(fmu(), *loop(20 * MS, 5 * MS))
-    plan(fmu(), *loop(20 * MS, 10 * MS))
-
-
 def test_phase_not_below_the_period() -> None:
     with pytest.raises(TimingError, match="phase 20 ms is not below its period 20 ms"):
         plan(fmu(), *loop(20 * MS, 20 * MS))
@@ -45,6 +34,13 @@ def test_negative_phase() -> None:
 def test_stop_time_between_steps_names_the_nearest() -> None:
     with pytest.raises(TimingError, match=r"10 ms.*does not divide.*104 ms.*nearest.*100 ms"):
         plan(fmu(), stop_ns=104 * MS)
+
+
+def test_the_nearest_stop_time_suits_all_fmus() -> None:
+    """100 ms are no multiple of 7 ms, 98 ms none of 10 ms."""
+    fmus = {"plant": MockFmu(), "other": MockFmu()}
+    with pytest.raises(TimingError, match=r"other steps by 7 ms.*nearest stop time is 70 ms"):
+        plan_system(system(fmu(), fmu("other", 7 * MS)), fmus)  # type: ignore[arg-type]
 
 
 def test_rates_without_a_common_cycle() -> None:
