@@ -60,6 +60,7 @@ class Model:
     event_mode: bool = False
     step: float = 2.0**-6
     stop: float = 2.0
+    tolerance: float = 1e-10
 
     @property
     def states(self) -> list[str]:
@@ -184,7 +185,8 @@ def _counts(model: Model) -> dict[str, str]:
 
 def _experiment(model: Model, root: ET.Element) -> None:
     step = {} if root.get("fmiVersion") == "1.0" else {"stepSize": repr(model.step)}
-    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime=repr(model.stop), **step)
+    ET.SubElement(root, "DefaultExperiment", startTime="0", stopTime=repr(model.stop),
+                  tolerance=repr(model.tolerance), **step)  # fmt: skip
 
 
 def _enumeration(types: ET.Element, tag: str, inner: str | None) -> None:

@@ -74,6 +74,7 @@ EVERY_TYPE = Model(
         Variable("bytes", 6, "Binary"),
         Variable("odd", 7, "Boolean"),
         Variable("n", 8, "UInt64", "structuralParameter", "3"),
+        Variable("tolerance", 9),
         *_echoes(),
         Variable("w", 40, causality="input", start="1 2 3", dimensions=("n",)),
         Variable("doubled", 41, dimensions=("n",), aliases=(Alias("doubled_too"),)),

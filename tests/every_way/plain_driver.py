@@ -143,14 +143,17 @@ class Run:
         for name, value in self.job.start_values.items():
             fmu.set(name, value)
         stop = self.job.steps * self.job.step_ns / SECOND
+        experiment = fmu.root.find("DefaultExperiment")
+        tolerance = None if experiment is None else experiment.get("tolerance")
+        given, relative = tolerance is not None, c.c_double(float(tolerance or 0.0))
         if fmu.version == "1" and self.job.kind == "model-exchange":
             fmu.call("SetTime", c.c_double(0.0))
         if fmu.version == "2":
-            fmu.call("SetupExperiment", 0, c.c_double(), c.c_double(0.0), 1, c.c_double(stop))
+            fmu.call("SetupExperiment", int(given), relative, c.c_double(0.0), 1, c.c_double(stop))
         if fmu.version == "2":
             fmu.call("EnterInitializationMode")
         if fmu.version == "3":
-            fmu.call("EnterInitializationMode", c.c_bool(), c.c_double(), c.c_double(0.0),
+            fmu.call("EnterInitializationMode", c.c_bool(given), relative, c.c_double(0.0),
                      c.c_bool(True), c.c_double(stop))  # fmt: skip
         self.set_inputs(0)
         if fmu.version != "1":
@@ -159,7 +162,7 @@ class Run:
             fmu.call("InitializeSlave", c.c_double(0.0), c.c_char(1), c.c_double(stop))
         else:
             info = EventInfo1()
-            fmu.call("Initialize", c.c_char(0), c.c_double(), c.byref(info))
+            fmu.call("Initialize", c.c_char(given), relative, c.byref(info))
             self._told(False, bool(ord(info.upcoming)), info.next)
         if self.job.event_mode or (self.job.kind == "model-exchange" and fmu.version != "1"):
             self.handle(0.0, enter=False)
@@ -171,7 +174,11 @@ class Run:
             ns, after = k * self.job.step_ns, (k + 1) * self.job.step_ns
             if k and not self.job.event_mode:
                 self.set_inputs(ns)
-            if k and self.job.event_mode and any(t == ns for s in self.job.inputs.values() for t, _ in s):
+            if (
+                k
+                and self.job.event_mode
+                and any(t == ns for s in self.job.inputs.values() for t, _ in s)
+            ):
                 self.handle(ns / SECOND)
             time, target = ns / SECOND, after / SECOND
             while time < target:

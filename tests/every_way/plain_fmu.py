@@ -59,7 +59,9 @@ def read_variables(root: ET.Element) -> dict[str, Variable]:
             value = next(e for e in element if e.tag not in ("Annotations", "DirectDependency"))
         reference = int(element.get("valueReference", ""))
         attributes = {**element.attrib, **value.attrib}
-        sizes = [d.get("valueReference") or int(d.get("start", "")) for d in element.iter("Dimension")]
+        sizes = [
+            d.get("valueReference") or int(d.get("start", "")) for d in element.iter("Dimension")
+        ]
         for name in [element, *element.findall("Alias")]:
             found[name.get("name", "")] = Variable(
                 reference, value.tag, element.get("causality", "local"), attributes,
@@ -102,10 +104,20 @@ class PlainFmu:
                 c.cast(LIBC.free, c.c_void_p).value, None,
             ))  # fmt: skip
             if stepping:
-                more = (where, b"", c.c_double(), c.c_char(), c.c_char(), self.callbacks, c.c_char())
+                more = (
+                    where,
+                    b"",
+                    c.c_double(),
+                    c.c_char(),
+                    c.c_char(),
+                    self.callbacks,
+                    c.c_char(),
+                )
                 return self._made("InstantiateSlave", b"plain", token, *more)
             three = (c.c_void_p * 3)(*self.callbacks.functions[:3])
-            self.callbacks = type("Three", (c.Structure,), {"_fields_": [("f", c.c_void_p * 3)]})(three)
+            self.callbacks = type("Three", (c.Structure,), {"_fields_": [("f", c.c_void_p * 3)]})(
+                three
+            )
             return self._made("InstantiateModel", b"plain", token, self.callbacks, c.c_char())
         if self.version == "2":
             functions = [c.cast(f, c.c_void_p).value for f in (LOG, LIBC.calloc, LIBC.free)]
@@ -159,7 +171,9 @@ class PlainFmu:
         one = (c.c_uint32 * 1)(v.reference)
         self.call(f"Get{suffix}", one, c.c_size_t(1), *first, pointers, *last)
         if suffix == "Binary":
-            values = [c.string_at(p, n) if n else b"" for p, n in zip(pointers, lengths, strict=True)]
+            values = [
+                c.string_at(p, n) if n else b"" for p, n in zip(pointers, lengths, strict=True)
+            ]
         else:
             values = list(room)
         if suffix == "String":

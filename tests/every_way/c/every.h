@@ -23,6 +23,8 @@ typedef struct {
 
 typedef struct {
     double t, begin, next;                            /* time, start time, next time event (s) */
+    double tolerance;                                 /* as the importer gave it, or 0 */
+    unsigned structural;                              /* to be set in configuration mode only */
     bool stepping, event_mode, may_return, handling;  /* co-simulation; handling: in event mode */
     bool configuring, asked;                          /* asked: a step event was asked for */
     bool needs_update, values_changed, nominals_changed;
@@ -49,7 +51,8 @@ static bool interval(model *m, unsigned r, double *seconds); /* false: unchanged
 static void declare(model *m, unsigned first, unsigned last, size_t size) {
     for (unsigned r = first; r <= last; r++) m->size[r] = size;
 }
-static void initialise(model *m, double begin) {
+static void initialise(model *m, double begin, double tolerance) {
+    m->tolerance = tolerance;
     m->t = m->begin = begin;
     m->next = NEVER;
     for (int i = 0; i < 4; i++) m->nominals[i] = 1.0;

@@ -56,7 +56,7 @@ void *F(fmiInstantiateSlave)(const char *name, const char *guid, const char *whe
 }
 void F(fmiFreeSlaveInstance)(void *m) { free(m); }
 int F(fmiInitializeSlave)(model *m, double begin, char defined, double stop) {
-    initialise(m, begin);
+    initialise(m, begin, 0.0);
     settle(m);
     return OK;
 }
@@ -95,7 +95,7 @@ int F(fmiEventUpdate)(model *m, char intermediate, event_info *info) {
     return OK;
 }
 int F(fmiInitialize)(model *m, char controlled, double tolerance, event_info *info) {
-    initialise(m, m->t);
+    initialise(m, m->t, controlled ? tolerance : 0.0);
     return F(fmiEventUpdate)(m, 0, info);
 }
 int F(fmiTerminate)(model *m) { return OK; }

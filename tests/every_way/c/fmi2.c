@@ -18,7 +18,7 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
 }
 void fmi2FreeInstance(void *m) { free(m); }
 int fmi2SetupExperiment(model *m, int d, double tolerance, double begin, int e, double stop) {
-    initialise(m, begin);
+    initialise(m, begin, d ? tolerance : 0.0);
     return OK;
 }
 int fmi2EnterInitializationMode(model *m) { return OK; }

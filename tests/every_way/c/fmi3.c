@@ -37,7 +37,7 @@ int fmi3EnterConfigurationMode(model *m) { m->configuring = true; return OK; }
 int fmi3ExitConfigurationMode(model *m) { m->configuring = false; return OK; }
 int fmi3EnterInitializationMode(model *m, bool d, double tolerance, double begin, bool e,
                                 double stop) {
-    initialise(m, begin);
+    initialise(m, begin, d ? tolerance : 0.0);
     return OK;
 }
 int fmi3ExitInitializationMode(model *m) {
@@ -60,6 +60,8 @@ int fmi3Reset(model *m) {
         return k == total ? OK : ERROR;                                                            \
     }                                                                                              \
     int fmi3Set##name(model *m, const unsigned *r, size_t n, const ctype *y, size_t total) {       \
+        for (size_t i = 0; i < n; i++)                                                             \
+            if (r[i] && r[i] == m->structural && !m->configuring) return ERROR;                    \
         EACH(if (k < total) c->field = y[k])                                                       \
         evaluate(m);                                                                               \
         return k == total ? OK : ERROR;                                                            \

@@ -1,13 +1,15 @@
 /* Variables of all types: each echoes its input; others count the steps, beyond 2^53 too; arrays
    are sized by a structural parameter. The references of a type's input and output are neighbours,
    in the order of `TYPES` in descriptions.py. */
-enum { STEPS = 1, LARGE, LARGEST, THIRD, LABEL, BYTES, ODD, SIZE, ECHO = 10, W = 40, DOUBLED, TABLE };
+enum { STEPS = 1, LARGE, LARGEST, THIRD, LABEL, BYTES, ODD, SIZE, TOLERANCE, ECHO };
+enum { W = 40, DOUBLED, TABLE };
 static const char GUID[] = "{types}";
 enum { NX = 0, NZ = 0 };
 static const unsigned STATES[1], RATES[1], INDICATORS[1];
 
 static void start(model *m) {
-    declare(m, STEPS, SIZE, 1);
+    declare(m, STEPS, TOLERANCE, 1);
+    m->structural = SIZE;
     declare(m, ECHO, ECHO + 27, 1);
     I(SIZE) = 3, I(ECHO + 26) = 1;
     for (int j = 0; j < MOST; j++) m->v[W][j].d = j + 1;
@@ -25,6 +27,7 @@ static void evaluate(model *m) {
     I(LARGEST) = -1 - m->steps;
     D(THIRD) = (float)(m->steps / 3.0);
     I(ODD) = m->steps % 2;
+    D(TOLERANCE) = m->tolerance;
     snprintf(m->v[LABEL][0].text, TEXT, "step %d", m->steps);
     memcpy(m->v[BYTES][0].text, (char[]){(char)m->steps, 0, (char)255}, 3);
     m->v[BYTES][0].length = 3;
