@@ -1,6 +1,7 @@
-"""What is run every way: an FMU, one kind of its interfaces, inputs, and the variables to compare."""
+"""What is run every way: an FMU, one kind of its interfaces, inputs, and what to compare."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from tests.every_way.descriptions import Model
@@ -32,6 +33,7 @@ class Case:
     start_values: dict[str, Any] = field(default_factory=dict)
     event_mode: bool | None = None
     triggers: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    path: Path | None = None
 
     @property
     def exact(self) -> bool:
@@ -46,7 +48,7 @@ class Case:
 
     def job(self) -> Job:
         steps = round(self.model.stop * SECOND) // STEP_NS
-        path = fmu(self.model, self.version, self.kind)
+        path = self.path or fmu(self.model, self.version, self.kind)
         return Job(path, self.kind, STEP_NS, steps, self.watched, self.inputs, self.start_values,
                    bool(self.event_mode), self.triggers)  # fmt: skip
 
@@ -125,8 +127,8 @@ def _all() -> list[Case]:
             row = (version, kind, events)
             still = {"u": ((0, 1.0),)}  # so that what depends on it directly is unambiguous
             found += [
-                _case("ball", BALL, *row, inputs=still, needs=("inputs",)),
-                _case("pushed", BALL, *row, without=("a", "u_seen"), inputs=PUSHES,
+                _case("ball", BALL, *row, without=("rising",), inputs=still, needs=("inputs",)),
+                _case("pushed", BALL, *row, without=("a", "u_seen", "rising"), inputs=PUSHES,
                       needs=("inputs",)),
                 _case("thermostat", THERMOSTAT, *row),
             ]  # fmt: skip
@@ -140,10 +142,10 @@ def _all() -> list[Case]:
             _case("labels", EVERY_TYPE, *row, only=("label", "label_too"), needs=("texts",)),
         ]  # fmt: skip
     row = (3, "co-simulation")
-    arrays = ("doubled", "table", "doubled_too")
+    arrays, large = ("doubled", "table", "doubled_too"), ("large", "largest", "large_too")
     user = {"triggers": {"user": (SECOND // 4, SECOND)}}
     found += [
-        _case("large", EVERY_TYPE, *row, only=("large", "largest", "large_too"), needs=("64 bits",)),
+        _case("large", EVERY_TYPE, *row, only=large, needs=("64 bits",)),
         _case("long", EVERY_TYPE, *row, needs=("inputs", "64 bits"), **_fed(LONG, 3)),
         _case("bytes", EVERY_TYPE, *row, only=("bytes",), needs=("texts",)),
         _case("arrays", EVERY_TYPE, *row, only=arrays),
@@ -157,6 +159,8 @@ def _all() -> list[Case]:
             _case("clocks", CLOCKS, 3, kind, events, needs=needs),
             _case("triggered", CLOCKS, 3, kind, events, needs=(*needs, "triggers"), **user),
         ]
+    for kind in BALL.kinds:
+        found.append(_case("rising", BALL, 1, kind, only=("rising",), needs=("negated booleans",)))
     return found
 
 

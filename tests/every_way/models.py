@@ -34,7 +34,7 @@ BALL = Model(
         Variable("u", 4, causality="input", start="0", aliases=(Alias("u_seen"),)),
         Variable("e", 5, causality="parameter", start="0.7"),
         Variable("bounces", 6, "Int32", aliases=(Alias("bounces_too"),)),
-        Variable("falling", 7, "Boolean", aliases=(Alias("falling_too"),)),
+        Variable("falling", 7, "Boolean", aliases=(Alias("falling_too"), Alias("rising", True))),
     ),
     indicators=("h",), event_mode=True,
 )  # fmt: skip
