@@ -125,11 +125,9 @@ def _all() -> list[Case]:
     for version in (1, 2, 3):
         for kind, events in _ways_of_running(version):
             row = (version, kind, events)
-            still = {"u": ((0, 1.0),)}  # so that what depends on it directly is unambiguous
             found += [
-                _case("ball", BALL, *row, without=("rising",), inputs=still, needs=("inputs",)),
-                _case("pushed", BALL, *row, without=("a", "u_seen", "rising"), inputs=PUSHES,
-                      needs=("inputs",)),
+                _case("ball", BALL, *row, without=("rising",), start_values={"u": 1.0}),
+                _case("pushed", BALL, *row, without=("a", "u_seen", "rising"), inputs=PUSHES),
                 _case("thermostat", THERMOSTAT, *row),
             ]  # fmt: skip
         row = (version, "co-simulation")
@@ -137,8 +135,8 @@ def _all() -> list[Case]:
         found += [
             _case("counts", EVERY_TYPE, *row, only=counts),
             _case("tolerance", EVERY_TYPE, *row, only=("tolerance",), needs=("tolerance",)),
-            _case("numbers", EVERY_TYPE, *row, needs=("inputs",), **_fed(NUMBERS, version)),
-            _case("texts", EVERY_TYPE, *row, needs=("inputs", "texts"), **_fed(TEXTS, version)),
+            _case("numbers", EVERY_TYPE, *row, **_fed(NUMBERS, version)),
+            _case("texts", EVERY_TYPE, *row, needs=("texts",), **_fed(TEXTS, version)),
             _case("labels", EVERY_TYPE, *row, only=("label", "label_too"), needs=("texts",)),
         ]  # fmt: skip
     row = (3, "co-simulation")
@@ -146,7 +144,7 @@ def _all() -> list[Case]:
     user = {"triggers": {"user": (SECOND // 4, SECOND)}}
     found += [
         _case("large", EVERY_TYPE, *row, only=large, needs=("64 bits",)),
-        _case("long", EVERY_TYPE, *row, needs=("inputs", "64 bits"), **_fed(LONG, 3)),
+        _case("long", EVERY_TYPE, *row, needs=("64 bits",), **_fed(LONG, 3)),
         _case("bytes", EVERY_TYPE, *row, only=("bytes",), needs=("texts",)),
         _case("arrays", EVERY_TYPE, *row, only=arrays),
         _case("resized", EVERY_TYPE, *row, only=arrays, needs=("resized",),

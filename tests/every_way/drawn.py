@@ -17,7 +17,7 @@ _numbers = count()
 def cases(draw: st.DrawFn, version: int, texts: bool, negated: bool) -> Case:
     """An FMU of outputs of which some share a reference, and of inputs that change half way;
     `texts`: strings and binaries are among them; `negated`: booleans are negated too."""
-    known = [t for t in TYPES if version == 3 or t in OLD_TYPES and t != "Enumeration"]
+    known = [t for t in TYPES if version == 3 or (t in OLD_TYPES and t != "Enumeration")]
     types = st.sampled_from([t for t in known if texts or t not in ("String", "Binary")])
     places = st.lists(st.tuples(st.integers(0, 11), types), min_size=1, max_size=8)
     if version == 3:

@@ -79,8 +79,11 @@ class PlainFmu:
         root = self.root = ET.parse(Path(self.folder.name, "modelDescription.xml")).getroot()
         self.version, self.kind, self.event_mode = root.get("fmiVersion", "")[0], kind, event_mode
         self.variables = read_variables(root)
-        self.sizes = {str(v.reference): int(v.attributes["start"])
-                      for v in self.variables.values() if v.causality == "structuralParameter"}  # fmt: skip
+        self.sizes = {
+            str(v.reference): int(v.attributes["start"])
+            for v in self.variables.values()
+            if v.causality == "structuralParameter"
+        }
         interface = {"co-simulation": "CoSimulation", "model-exchange": "ModelExchange",
                      "scheduled-execution": "ScheduledExecution"}[kind]  # fmt: skip
         one = root if self.version == "1" else root.find(interface)

@@ -70,10 +70,11 @@ def _columns(job: Job, times: Any, names: list[str], column: Callable[[str], Any
 
 def by_simulate(case: Case) -> Rows:
     job = case.job()
+    step = job.step_ns / SECOND
     result = simulate(
-        job.path, interface_type=case.kind, stop_time=job.steps * job.step_ns / SECOND,
-        step_size=job.step_ns / SECOND, output_interval=job.step_ns / SECOND,
-        inputs=_tracks(case), start_values=case.start_values, output_variables=job.watched, event_mode=case.event_mode, in_process=True,
+        job.path, interface_type=case.kind, stop_time=job.steps * step, step_size=step,
+        output_interval=step, inputs=_tracks(case), start_values=case.start_values,
+        output_variables=job.watched, event_mode=case.event_mode, in_process=True,
     )  # fmt: skip
     return _columns(job, result.time, list(result.order), result.__getitem__)
 
@@ -182,7 +183,7 @@ def by_doctor(case: Case) -> Rows:
             rows = motion.advance(job.steps)
         found: Rows = {}
         for name in job.watched:
-            size = [v.size for v in subject.watched if v.name == name][0]
+            size = next(v.size for v in subject.watched if v.name == name)
             first = subject.labels.index(name)
             values = rows[:, first : first + size].tolist()
             found[name] = [None, *(row if case.shape(name) else row[0] for row in values)]

@@ -139,7 +139,8 @@ def describe(
     references = {port.name: 10 + i for i, port in enumerate(ports)}
     references |= {port.name: references[port.of] for port in model.outputs if port.of}
     variables = [
-        variable(port.name, references[port.name], port.type, "input" if isinstance(port, Input) else "output",
+        variable(port.name, references[port.name], port.type,
+                 "input" if isinstance(port, Input) else "output",
                  unit=port.unit, size=port.size or 1, shape=(port.size,) * bool(port.size))
         for port in ports
     ]  # fmt: skip
