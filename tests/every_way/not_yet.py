@@ -25,7 +25,6 @@ NOT_YET = (
     NotYet(BENCH, "64 bits", "wires carry float64"),
     NotYet(BENCH, "tolerance", "the loop does not take the tolerance of the default experiment"),
     NotYet(BENCH, "resized", "the loop sets structural parameters outside of configuration mode"),
-    NotYet(BENCH, "shared", "outputs that share a value reference are not read apart"),
     NotYet(frozenset({"doctor"}), "texts", "the doctor watches numbers"),
     NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
     NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),

@@ -1,7 +1,8 @@
 """Where everything lies in memory: one float64 slot for every port that a plan touches.
 
 The ports of a component that are handed over in one call lie side by side: the inputs and the
-outputs of a block, and the inputs or outputs of an FMU that have the same C type.
+outputs of a block, and the inputs or outputs of an FMU that have the same C type. One call handles
+a value reference once, so second names of references come after all first ones.
 """
 
 from __future__ import annotations
@@ -74,15 +75,34 @@ def whole(ends: Iterable[Endpoint], descriptions: Mapping[str, ModelDescription]
     )
 
 
+def earlier_names(
+    ends: Iterable[Endpoint], descriptions: Mapping[str, ModelDescription]
+) -> dict[Endpoint, int]:
+    """How many variables before that of each port have the same value reference and C type."""
+    names: dict[tuple[str, str, int], list[str]] = {}
+    found = {}
+    for end in ends:
+        d = descriptions[end.component]
+        name, port = d.owner(end.variable), d.port(end.variable)
+        key = end.component, access(port, d.fmi_major)[0], port.value_reference
+        known = names.setdefault(key, [])
+        if name not in known:
+            known.append(name)
+        found[end] = known.index(name)
+    return found
+
+
 def make_layout(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> Layout:
     """Give a slot to every port that `plan` touches."""
 
     def grouped(ends: Iterable[Endpoint]) -> list[Endpoint]:
-        def key(end: Endpoint) -> tuple[str, str]:
+        def key(end: Endpoint) -> tuple[str, str, int]:
             d = descriptions[end.component]
-            return end.component, access(d.port(end.variable), d.fmi_major)[0]
+            return end.component, access(d.port(end.variable), d.fmi_major)[0], earlier[end]
 
-        return sorted(whole(ends, descriptions), key=key)
+        touched = whole(ends, descriptions)
+        earlier = earlier_names(touched, descriptions)
+        return sorted(touched, key=key)
 
     slots: dict[Endpoint, int] = {}
     for end in [*grouped(plan.written), *grouped(plan.read)]:

@@ -40,7 +40,14 @@ from harness.master.plan.planner import Plan
 from harness.master.program import operations as op
 from harness.master.program.copying import CopyTable
 from harness.master.program.iteration import Iteration, snapshot
-from harness.master.program.layout import FLOAT64, Layout, access, make_layout, whole
+from harness.master.program.layout import (
+    FLOAT64,
+    Layout,
+    access,
+    earlier_names,
+    make_layout,
+    whole,
+)
 from harness.master.program.python_block import PythonCallback
 from harness.master.program.sensitivity import Linearisation
 from harness.master.program.start_values import start_values
@@ -273,20 +280,21 @@ class _Linker:
     def _groups(
         self, name: str, variables: Sequence[str], view: View = "present"
     ) -> Iterable[tuple[str, int, list[Endpoint]]]:
-        """Ports of one C type that lie side by side, so that one call reads or writes them."""
+        """Ports of one C type that lie side by side and share no value reference, so that one call
+        reads or writes them."""
         d = self.instances[name].description
 
         def slot(end: Endpoint) -> int:
             return self.layout.slot(end, view)
 
-        def neighbours(place: tuple[int, Endpoint]) -> tuple[tuple[str, int], int]:
+        def neighbours(place: tuple[int, Endpoint]) -> tuple[tuple[str, int], int, int]:
             i, end = place
-            return access(d.port(end.variable), d.fmi_major), slot(end) - i
+            return access(d.port(end.variable), d.fmi_major), slot(end) - i, earlier[end]
 
         touched = whole((Endpoint(name, variable) for variable in variables), self.descriptions)
         ends = sorted(touched, key=slot)
-
-        for ((suffix, kind), _), group in groupby(enumerate(ends), key=neighbours):
+        earlier = earlier_names(ends, self.descriptions)
+        for ((suffix, kind), *_), group in groupby(enumerate(ends), key=neighbours):
             yield suffix, kind, [end for _, end in group]
 
     def _access(
