@@ -148,9 +148,13 @@ class ModelDescription:
         start = starts[place if len(starts) > 1 else 0] if starts else None
         return replace(array, name=name, size=1, dimensions=(), shape=(), start=start)
 
+    def owner(self, name: str) -> str:
+        """The array of which `name` is an element; `name` for anything else."""
+        return self.elements[name][0].name if name in self.elements else name
+
     def whole(self, name: str) -> tuple[str, ...]:
         """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
-        array = self.elements[name][0] if name in self.elements else self.variables.get(name)
+        array = self.variables.get(self.owner(name))
         return element_names(array) if array is not None and array.shape else (name,)
 
     def sizes(self, array: Variable) -> tuple[int, ...]:

@@ -62,6 +62,11 @@ class Output:
     depends: tuple[str, ...] = ()
     unit: str | None = None
     size: int = 0
+    of: str | None = None
+
+    def also(self, name: str) -> "Output":
+        """Another name for the same value reference."""
+        return replace(self, name=name, of=self.name)
 
 
 def scalars(port: Input | Output, inputs: tuple[Input, ...] = ()) -> list[Any]:
@@ -130,10 +135,14 @@ def describe(
     name: str, fmi_major: int, model: Any, states: bool = False, **capabilities: Any
 ) -> ModelDescription:
     """The model description of a mock."""
+    ports = (*model.inputs, *model.outputs)
+    references = {port.name: 10 + i for i, port in enumerate(ports)}
+    references |= {port.name: references[port.of] for port in model.outputs if port.of}
     variables = [
-        variable(port.name, 10 + i, port.type, "input" if isinstance(port, Input) else "output",
+        variable(port.name, references[port.name], port.type,
+                 "input" if isinstance(port, Input) else "output",
                  unit=port.unit, size=port.size or 1, shape=(port.size,) * bool(port.size))
-        for i, port in enumerate((*model.inputs, *model.outputs))
+        for port in ports
     ]  # fmt: skip
     units: dict[str, Unit] = {}
     return ModelDescription(
@@ -163,7 +172,8 @@ class MockInstance:
         self.calls: list[str] = []
         self.statuses, self.hook, self.flags = fmu.statuses, fmu.hook, fmu.flags
         self.dead, self.ended = False, False
-        self._names = {v.value_reference: v.name for v in self.description.variables.values()}
+        variables = list(self.description.variables.values())
+        self._names = {v.value_reference: v.name for v in reversed(variables)}
         self._parts = {r: self.description.whole(name) for r, name in self._names.items()}
         self._functions: dict[str, Any] = {}
         self.snapshots: dict[int, tuple[float, dict[str, float]]] = {}

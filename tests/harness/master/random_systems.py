@@ -44,7 +44,8 @@ class Case:
 
 @st.composite
 def mock_fmus(draw: st.DrawFn) -> MockFmu:
-    """An FMU with ports of any type; about half of its outputs depend directly on inputs."""
+    """An FMU with ports of any type; about half of its outputs depend directly on inputs, and some
+    have a second or third name."""
     major = draw(st.sampled_from([2, 3]))
     kinds = st.sampled_from(FMI2_TYPES if major == 2 else FMI3_TYPES)
     real = "Real" if major == 2 else "Float64"
@@ -56,6 +57,8 @@ def mock_fmus(draw: st.DrawFn) -> MockFmu:
         Output(f"y{i}", draw(mostly), 1.0 + i, () if i == free else tuple(sorted(draw(names))))
         for i in range(draw(st.integers(1, 3)))
     )
+    also = draw(st.lists(st.sampled_from(outputs), max_size=3))
+    outputs += tuple(port.also(f"also{i}") for i, port in enumerate(also))
     return MockFmu(inputs, outputs, major, state=draw(st.sampled_from([1.0, -0.75, 2.5])))
 
 

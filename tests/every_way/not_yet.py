@@ -1,0 +1,41 @@
+"""What a way cannot do yet: the one place that says which cases are expected to fail, and why.
+
+A row that holds no longer makes its tests fail ("XPASS"), and is then to be taken out.
+"""
+
+from dataclasses import dataclass
+
+BENCH = frozenset({"bench", "worker", "wires"})
+
+
+@dataclass(frozen=True)
+class NotYet:
+    """Cases that need `need` fail in these `ways`."""
+
+    ways: frozenset[str]
+    need: str
+    reason: str
+
+
+NOT_YET = (
+    NotYet(BENCH, "FMI 1", "the loop runs FMI 2 and 3"),
+    NotYet(BENCH, "model-exchange", "the loop runs co-simulation"),
+    NotYet(BENCH, "event mode", "the loop has no event mode"),
+    NotYet(BENCH, "texts", "strings and binaries are neither wired nor recorded"),
+    NotYet(BENCH, "64 bits", "wires carry float64"),
+    NotYet(BENCH, "tolerance", "the loop does not take the tolerance of the default experiment"),
+    NotYet(BENCH, "resized", "the loop sets structural parameters outside of configuration mode"),
+    NotYet(frozenset({"doctor"}), "texts", "the doctor watches numbers"),
+    NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
+    NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),
+    NotYet(frozenset({"doctor"}), "triggers", "the doctor triggers no clocks"),
+    NotYet(frozenset({"doctor"}), "event clocks", "the doctor steps without event mode"),
+    NotYet(BENCH | {"simulate", "doctor"}, "scheduled-execution", "nothing schedules partitions"),
+    NotYet(frozenset({"simulate", "doctor"}), "negated booleans", "-1 times true is true"),
+)
+
+
+def reason(way: str, needs: frozenset[str]) -> str | None:
+    """Why a case cannot be run that way, or None."""
+    found = [one.reason for one in NOT_YET if way in one.ways and one.need in needs]
+    return "; ".join(found) or None
