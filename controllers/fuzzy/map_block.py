@@ -7,36 +7,47 @@ of the outer triangles are left as they are; where no rule fires, an output keep
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require
+from controllers.core.layout import Layout, part
 from controllers.fuzzy.inference import FuzzySystem, infer
 
-_N_OUT, _N_MU, _N_RULES, _AT_THETA = range(4)
-_N_HEAD = 4
+SYSTEM = Layout.of(structure="structure", theta="theta")
+HEAD = Layout.of(outputs=(), functions=(), rules=(), in_parameters=SYSTEM.entries)
+N_OUTPUTS, N_FUNCTIONS, N_RULES, IN_PARAMETERS = HEAD.places()
+STRUCTURE, THETA = map(SYSTEM.number, SYSTEM.names)
 
 
 def fuzzy_map_step(p: Array, x: Array, u: Array, y: Array) -> None:
     """Inputs of the system in, its outputs and memberships out."""
-    n_out = int(p[_N_OUT])
-    n_mu = int(p[_N_MU])
-    n_rules = int(p[_N_RULES])
-    mu = y[n_out : n_out + n_mu]
-    structure = p[_N_HEAD : int(p[_AT_THETA])]
-    infer(structure, p[int(p[_AT_THETA]) :], u, mu, x[:n_rules], x[n_rules:], y[:n_out])
+    n_out = int(p[N_OUTPUTS])
+    n_rules = int(p[N_RULES])
+    mu = y[n_out : n_out + int(p[N_FUNCTIONS])]
+    structure = part(p[IN_PARAMETERS:], p, STRUCTURE)
+    theta = part(p[IN_PARAMETERS:], p, THETA)
+    infer(structure, theta, u, mu, x[:n_rules], x[n_rules:], y[:n_out])
 
 
 def fuzzy_map_block(
     system: FuzzySystem, inputs: tuple[Signal, ...], outputs: tuple[Signal, ...]
 ) -> Block:
     """The block of any system; membership function j of input i is `mu_i_j`, counted from 1."""
-    sizes = (len(system.inputs), len(system.weights))
+    counts = (len(system.inputs), len(system.weights))
     given = (len(inputs), len(outputs))
-    require(sizes == given, "fuzzy_map_block: inputs, outputs", f"{sizes} signals", given)
+    require(counts == given, "fuzzy_map_block: inputs, outputs", f"{counts} signals", given)
     structure, theta = system.structure(), system.theta()
     n_rules = len(system.rules)
-    head = [len(outputs), system.n_functions, n_rules, _N_HEAD + len(structure)]
-    p = np.concatenate([np.array(head, dtype=np.float64), structure, theta])
+    sizes = {"structure": len(structure), "theta": len(theta)}
+    head: dict[str, ArrayLike] = {
+        "outputs": len(outputs),
+        "functions": system.n_functions,
+        "rules": n_rules,
+        "in_parameters": SYSTEM.table(HEAD.length, **sizes),
+    }
+    tables = SYSTEM.fill({"structure": structure, "theta": theta}, **sizes)
+    p = np.concatenate([HEAD.fill(head), tables])
     work = n_rules + system.n_weights
     return Block(
         inputs=inputs,

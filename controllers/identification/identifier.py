@@ -21,6 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require, require_choice, require_not_negative, require_positive
@@ -29,7 +30,7 @@ from controllers.fuzzy.membership import KINDS
 from controllers.fuzzy.takagi_sugeno import TakagiSugeno, grid, partition
 from controllers.fuzzy.takagi_sugeno_kernels import model_work
 from controllers.identification.adaptation import Adaptation
-from controllers.identification.identifier_step import N_SCALARS, P_PARTS, identifier_step
+from controllers.identification.identifier_step import HEAD, STATE, TABLES, identifier_step
 from controllers.identification.narx import Lags, Scale
 from controllers.identification.offline import Uncertainty
 
@@ -178,38 +179,49 @@ class Identifier(Uncertainty):
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
         require_positive("Identifier.block: sample_time", sample_time)
-        parts = self._parts()
-        lags = self.lags
-        scales = [value for scale in self.scales() for value in (scale.centre, scale.half)]
-        s, c = self.start_model().structure(), self.adapted().constants()
-        places = np.cumsum([N_SCALARS, *(len(one) for one in parts)])
-        s_at = P_PARTS + len(places) + len(scales)
-        instants = [
-            round(t / sample_time) if t < math.inf else math.inf
-            for t in (self.learn_from, self.learn_until, self.free_run_from)
-        ]
-        head = [
-            lags.outputs, lags.inputs, lags.output_lags, lags.input_lags, *instants,
-            lags.first, s_at, s_at + len(s),
-        ]  # fmt: skip
+        sizes, model = self._sizes(), self.start_model()
+        scales = [(scale.centre, scale.half) for scale in self.scales()]
+        tables: dict[str, ArrayLike] = {
+            "scales": scales,
+            "s": model.structure(),
+            "c": self.adapted().constants(),
+        }
+        state = {"theta": model.theta(), "P": self.adapted().covariance()}
         return Block(
             inputs=self._inputs(),
             outputs=self._outputs(),
             step=identifier_step,
-            parameters=np.concatenate([head, places, scales, s, c]).astype(np.float64),
-            state=np.concatenate([np.zeros(N_SCALARS), *parts]),
+            parameters=np.concatenate([self._head(sample_time), TABLES.fill(tables, **sizes)]),
+            state=STATE.fill(state, **sizes),
         )
 
-    def _parts(self) -> list[Array]:
-        """The parts of x at the start, in the order of the X_ constants."""
+    def _head(self, sample_time: float) -> Array:
+        """The head of p, laid out by `HEAD`."""
+        lags = self.lags
+        learn_from, learn_until, free_from = (
+            round(t / sample_time) if t < math.inf else math.inf
+            for t in (self.learn_from, self.learn_until, self.free_run_from)
+        )
+        values: dict[str, ArrayLike] = {
+            "outputs": lags.outputs, "inputs": lags.inputs, "output_lags": lags.output_lags,
+            "input_lags": lags.input_lags, "learn_from": learn_from, "learn_until": learn_until,
+            "free_from": free_from, "first": lags.first,
+            "in_parameters": TABLES.table(HEAD.length, **self._sizes()),
+            "in_state": STATE.table(**self._sizes()),
+        }  # fmt: skip
+        return HEAD.fill(values)
+
+    def _sizes(self) -> dict[str, int]:
+        """The sizes that the layouts of the step name."""
         model, adaptation = self.start_model(), self.adapted()
-        n, m, size = len(self.regressors), len(self.measured), len(model.theta())
-        work = max(model_work(model.structure()), adaptation.work())
-        instant = [np.zeros(m)] * 6
-        return [
-            *[np.zeros(n)] * 3, *instant, model.theta(), adaptation.covariance(),
-            np.zeros(m * size), np.zeros(m * n), np.zeros(work),
-        ]  # fmt: skip
+        s = model.structure()
+        return {
+            "outputs": len(self.measured), "regressors": len(self.regressors),
+            "signals": len(self.scales()), "theta": len(model.theta()),
+            "covariance": len(adaptation.covariance()), "structure": len(s),
+            "constants": len(adaptation.constants()),
+            "work": max(model_work(s), adaptation.work()),
+        }  # fmt: skip
 
     def _inputs(self) -> tuple[Signal, ...]:
         names = (*self.measured, *self.exogenous)

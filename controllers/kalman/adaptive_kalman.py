@@ -27,6 +27,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.bind import bind
 from controllers.core.block import Array, Block, Signal, StepFunction
@@ -34,7 +35,7 @@ from controllers.core.errors import require
 from controllers.kalman import adaptive_kalman_step as kernel
 from controllers.kalman.extended_kalman import update_work
 from controllers.kalman.gain_adaptation import DISTANCES, GainAdaptation, distance_work
-from controllers.kalman.p_point import N_SCORE, gaussian_score
+from controllers.kalman.p_point import gaussian_score
 
 Transition = Callable[[Array, Array, Array, Array, Array, Array, Array], None]
 Measurement = Callable[[Array, Array, Array, Array, Array], None]
@@ -123,30 +124,35 @@ def _arrays(
 ) -> tuple[Array, Array]:
     """p and x in the layout of `adaptive_kalman_step`."""
     n, m, n_u = len(model.states), len(model.measured), len(model.inputs)
-    window = 1 if adaptation is None else adaptation.window
     system = None if adaptation is None else adaptation.system()
     structure, theta = (np.zeros(0), np.zeros(0)) if system is None else (
         system.structure(), system.theta()
     )  # fmt: skip
     rules = 0 if system is None else len(system.rules)
-    tail: list[Array] = [model.parameters, np.ravel(noise.Q), np.ravel(noise.R), structure, theta]
-    places = kernel.N_HEAD + np.cumsum([len(part) for part in tail[:-1]])
     own = n_u + n + 2 * n * n + max(model.work, n * n)
-    work = max(own, update_work(n, m), distance_work(n, m), 1 + 3 * rules)
-    memory = np.array([0.0, 0.0, 0.0, 1.0])  # not started, window empty, g = 1
-    parts: list[Array] = [
-        noise.x, np.ravel(noise.P), memory, np.zeros(n_u), np.zeros(window), gaussian_score(),
-        np.zeros(m), np.zeros(m * n), np.zeros(m * m), np.zeros(m), np.zeros(work),
-    ]  # fmt: skip
-    assert len(parts[5]) == N_SCORE
-    head = [
-        n, m, n_u, len(model.scheduled), input_share, scaled_noise, adaptation is not None, window,
-        0 if adaptation is None else DISTANCES[adaptation.distance],
-        adaptation is not None and adaptation.covariance == "consistent", rules,
-        *places, *np.cumsum([len(part) for part in parts[:-1]]),
-    ]  # fmt: skip
-    p = np.concatenate([np.array(head, dtype=np.float64), *tail])
-    return p, np.concatenate([np.asarray(part, dtype=np.float64) for part in parts])
+    sizes = {
+        "states": n, "measured": m, "inputs": n_u, "model": len(model.parameters),
+        "window": 1 if adaptation is None else adaptation.window,
+        "structure": len(structure), "theta": len(theta),
+        "work": max(own, update_work(n, m), distance_work(n, m), 1 + 3 * rules),
+    }  # fmt: skip
+    head: dict[str, ArrayLike] = {
+        "n": n, "m": m, "n_u": n_u, "n_s": len(model.scheduled), "share": input_share,
+        "scaled": scaled_noise, "adapted": adaptation is not None, "window": sizes["window"],
+        "distance": 0 if adaptation is None else DISTANCES[adaptation.distance],
+        "consistent": adaptation is not None and adaptation.covariance == "consistent",
+        "rules": rules,
+        "in_parameters": kernel.MATRICES.table(kernel.HEAD.length, **sizes),
+        "in_state": kernel.STATE.table(**sizes),
+    }  # fmt: skip
+    matrices = {
+        "model": model.parameters, "Q": noise.Q, "R": noise.R, "structure": structure,
+        "theta": theta,
+    }  # fmt: skip
+    memory = kernel.MEMORY.fill({"gain": 1.0})  # not started, window empty
+    state = {"x": noise.x, "P": noise.P, "memory": memory, "score": gaussian_score()}
+    p = np.concatenate([kernel.HEAD.fill(head), kernel.MATRICES.fill(matrices, **sizes)])
+    return p, kernel.STATE.fill(state, **sizes)
 
 
 def _outputs(model: KalmanModel) -> tuple[Signal, ...]:

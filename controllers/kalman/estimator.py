@@ -24,11 +24,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.bind import bind
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require, require_choice, require_positive
-from controllers.kalman.estimator_step import estimator_step
+from controllers.kalman.estimator_step import HEAD, MATRICES, STATE, estimator_step
 from controllers.kalman.extended_kalman import update_work
 from controllers.kalman.p_point import N_SCORE, gaussian_score
 from controllers.kalman.transition import (
@@ -178,22 +179,29 @@ class Estimator:
         require_positive("Estimator.block: sample_time", sample_time)
         n, n_w, m = self.sizes
         n_u = len(self.model.inputs)
-        extra = np.zeros(n) if self.extra is None else self.extra
-        n_p, stages = len(self.model.parameters), STAGES[self.discretisation]
-        past = INPUT_INTERVALS[self.input_interval]
-        head = [n, n_u, n_w, m, n_p, stages, self.substeps, sample_time, past, self.given_start]
-        own = (self.model.parameters, self.measurement.parameters)
-        parts = (head, self.q, extra, self.measurement.R, self.score, *own)
+        model, sensor = self.model.parameters, self.measurement.parameters
+        sizes = {"inputs": n_u, "states": n, "noises": n_w, "measured": m, "model": len(model)}
+        sizes |= {"sensor": len(sensor), "transition": transition_size(n, n_w)}
+        sizes["work"] = max(transition_work(n, n_w), update_work(n, m))
+        head: dict[str, ArrayLike] = {
+            "n": n, "n_u": n_u, "n_w": n_w, "m": m, "stages": STAGES[self.discretisation],
+            "substeps": self.substeps, "T": sample_time,
+            "past_input": INPUT_INTERVALS[self.input_interval], "given_start": self.given_start,
+            "in_parameters": MATRICES.table(HEAD.length, **sizes),
+            "in_state": STATE.table(**sizes),
+        }  # fmt: skip
+        matrices = {
+            "q": self.q, "extra": np.zeros(n) if self.extra is None else self.extra,
+            "R": self.measurement.R, "score": self.score, "model": model, "sensor": sensor,
+        }  # fmt: skip
         X = np.zeros(transition_size(n, n_w))
         X[:n] = self.x_0
-        work = max(transition_work(n, n_w), update_work(n, m))
-        rest = n * n + m + m * n + 2 * m + work
         return Block(
             inputs=(*self.model.inputs, *self.measurement.signals, *self.start_inputs()),
             outputs=self.outputs(),
             step=self.step(),
-            parameters=np.concatenate([np.ravel(a).astype(np.float64) for a in parts]),
-            state=np.concatenate([np.zeros(1 + n_u), X, np.ravel(self.P_0), np.zeros(rest)]),
+            parameters=np.concatenate([HEAD.fill(head), MATRICES.fill(matrices, **sizes)]),
+            state=STATE.fill({"X": X, "P": self.P_0}, **sizes),
         )
 
 

@@ -9,14 +9,30 @@ from __future__ import annotations
 import math
 
 from controllers.core.block import Array
+from controllers.core.layout import Layout, part
 from controllers.kalman.extended_kalman import predict, update
 from controllers.kalman.p_point import N_SCORE
-from controllers.kalman.transition import held_noise, reset_derivatives, transition_size
+from controllers.kalman.transition import held_noise, reset_derivatives
 
-# Parameters: sizes and times, then q, extra, R, score, those of the model and of the measurement.
-P_N, P_NU, P_NW, P_M, P_NP, P_STAGES, P_SUBSTEPS, P_T, P_PAST_INPUT, P_GIVEN_START, P_Q = range(11)
-# State: whether the block has run, then u, X, P, Q, h, H, ν, γ and work space.
-X_STARTED, X_U = 0, 1
+STATE = Layout.of(
+    started=(), held="inputs", X="transition", P=("states", "states"), Q=("states", "states"),
+    h="measured", H=("measured", "states"), nu="measured", gamma="measured", work="work",
+)  # fmt: skip
+_, HELD, X_, P_, Q_, H_, JACOBIAN, NU, GAMMA, WORK = map(STATE.number, STATE.names)
+X_STARTED = STATE.place("started")
+
+# Parameters: `HEAD`, then `MATRICES`.
+MATRICES = Layout.of(
+    q="noises", extra="states", R=("measured", "measured"), score=N_SCORE, model="model",
+    sensor="sensor",
+)  # fmt: skip
+NOISE, EXTRA, R_, SCORE, MODEL, SENSOR = map(MATRICES.number, MATRICES.names)
+HEAD = Layout.of(
+    n=(), n_u=(), n_w=(), m=(), stages=(), substeps=(), T=(), past_input=(), given_start=(),
+    in_parameters=MATRICES.entries, in_state=STATE.entries,
+)  # fmt: skip
+(P_N, P_NU, P_NW, P_M, P_STAGES, P_SUBSTEPS, P_T, P_PAST_INPUT, P_GIVEN_START, P_IN_PARAMETERS,
+ P_IN_STATE) = HEAD.places()  # fmt: skip
 
 
 def advance(
@@ -37,32 +53,20 @@ def measurement_jacobian(p: Array, x: Array, u: Array, H: Array) -> None:
 def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
     """Step of `Estimator`: inputs of the model, measurements, and the start where it is given."""
     n, n_u, n_w, m = int(p[P_N]), int(p[P_NU]), int(p[P_NW]), int(p[P_M])
-    at_extra = P_Q + n_w
-    at_r = at_extra + n
-    at_score = at_r + m * m
-    at_model = at_score + N_SCORE
-    model = p[at_model : at_model + int(p[P_NP])]
-    sensor = p[at_model + int(p[P_NP]) :]
-    at_x = X_U + n_u
-    at_p = at_x + transition_size(n, n_w)
-    at_h = at_p + 2 * n * n
-    at_nu = at_h + m + m * n
-    held = x[X_U:at_x]
-    X = x[at_x:at_p]
-    P = x[at_p : at_p + n * n]
-    h = x[at_h : at_h + m]
-    H = x[at_h + m : at_nu]
-    nu = x[at_nu : at_nu + m]
-    gamma = x[at_nu + m : at_nu + 2 * m]
-    work = x[at_nu + 2 * m :]
+    in_p, in_x = p[P_IN_PARAMETERS:], p[P_IN_STATE:]
+    held, X, P = part(in_x, x, HELD), part(in_x, x, X_), part(in_x, x, P_)
+    h, H = part(in_x, x, H_), part(in_x, x, JACOBIAN)
+    nu, work = part(in_x, x, NU), part(in_x, x, WORK)
+    sensor = part(in_p, p, SENSOR)
     if p[P_PAST_INPUT] > 0.0:
         for j in range(n_u):
             held[j] = u[j]
     if x[X_STARTED] > 0.0:
-        Q = x[at_p + n * n : at_h]
+        Q = part(in_x, x, Q_)
+        model = part(in_p, p, MODEL)
         reset_derivatives(n, n_w, X)
         advance(n, n_w, int(p[P_STAGES]), int(p[P_SUBSTEPS]), p[P_T], model, held, X, work)
-        held_noise(n, n_w, p[P_Q:at_extra], p[at_extra:at_r], X, Q)
+        held_noise(n, n_w, part(in_p, p, NOISE), part(in_p, p, EXTRA), X, Q)
         predict(n, P, X[n : n + n * n], Q, work)
     elif p[P_GIVEN_START] > 0.0:
         for i in range(n):
@@ -72,8 +76,8 @@ def estimator_step(p: Array, x: Array, u: Array, y: Array) -> None:
     measurement_jacobian(sensor, X[:n], held, H)
     for a in range(m):
         nu[a] = u[n_u + a] - h[a]
-    R = p[at_r:at_score]
-    squared = update(n, m, X[:n], P, nu, H, R, p[at_score:at_model], gamma, work)
+    R, score, gamma = part(in_p, p, R_), part(in_p, p, SCORE), part(in_x, x, GAMMA)
+    squared = update(n, m, X[:n], P, nu, H, R, score, gamma, work)
     for j in range(n_u):
         held[j] = u[j]
     show_estimate(n, m, X, P, nu, squared, work, y)

@@ -9,9 +9,8 @@ The gains enter the law of `controllers.pid.pid`. de/dt is the law's filtered de
 error or of −measured as `derivative_on` says. Where no rule of a system fires, its U keeps its
 value; at the start that is 1/2.
 
-Block arrays: p = [law | gains | scales | sizes | s_p s_i s_d | θ_p θ_i θ_d],
-x = [law | fuzzy inputs | U | (mu firing strength) of p, i, d]. The online tuner keeps θ in x
-instead, and otherwise calls the same functions: with nothing to tune it is bit-equal.
+Block arrays: p is `HEAD`, then `SYSTEMS`; x is `STATE`. The online tuner keeps θ in x instead, and
+otherwise calls the same functions: with nothing to tune it is bit-equal.
 """
 
 from __future__ import annotations
@@ -20,9 +19,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require, require_finite, require_positive
+from controllers.core.layout import Layout, part, row_of
 from controllers.fuzzy.inference import (
     FuzzySystem,
     Membership,
@@ -44,20 +45,26 @@ from controllers.pid.pid import (
     pid_sense,
 )
 
-# Parameters after the law: (K_a0, K_a1 − K_a0) of p, i, d; scale factors; sizes of the systems.
-P_GAINS = N_LAW
-P_SCALE_E, P_SCALE_DE = N_LAW + 6, N_LAW + 7
-P_N_S, P_N_THETA, P_N_MU, P_N_RULES, P_N_WEIGHTS = range(N_LAW + 8, N_LAW + 13)
-P_SYSTEMS = N_LAW + 13
+# State: scaled |e| and |de/dt|; U_p, U_i, U_d; work space of the systems p, i, d.
+STATE = Layout.of(
+    law=N_LAW_STATE, inputs=2, U=3,
+    mu=(3, "functions"), firing=(3, "rules"), strength=(3, "weights"),
+)  # fmt: skip
+X_INPUTS, X_U = STATE.place("inputs"), STATE.place("U")
+MU, FIRING, STRENGTH = map(STATE.number, ("mu", "firing", "strength"))
 
-# State after the law: scaled |e| and |de/dt|; U_p, U_i, U_d; work space of the systems.
-X_INPUTS = N_LAW_STATE
-X_U = N_LAW_STATE + 2
-X_WORK = N_LAW_STATE + 5
+# Parameters: (K_a0, K_a1 − K_a0) of p, i, d; scale factors; tables of places; s and θ of p, i, d.
+SYSTEMS = Layout.of(structure=(3, "structure"), theta=(3, "theta"))
+HEAD = Layout.of(
+    law=N_LAW, gains=(3, 2), scales=2, in_parameters=SYSTEMS.entries, in_state=STATE.entries
+)
+STRUCTURE, THETA = map(SYSTEMS.number, SYSTEMS.names)
+P_GAINS, P_SCALES = HEAD.place("gains"), HEAD.place("scales")
+P_IN_PARAMETERS, P_IN_STATE = HEAD.place("in_parameters"), HEAD.place("in_state")
 
-Y_INFERRED = N_LAW_OUTPUT  # U_p, U_i, U_d; scaled |e|, |de/dt|; systems without a firing rule
-Y_SILENT = N_LAW_OUTPUT + 5
-N_FUZZY_OUTPUT = N_LAW_OUTPUT + 6
+# Outputs: U_p, U_i, U_d; scaled |e|, |de/dt|; systems without a firing rule.
+OUTPUTS = Layout.of(law=N_LAW_OUTPUT, U=3, inputs=2, silent=(), end=())
+Y_U_INFERRED, Y_INPUTS, Y_SILENT, N_FUZZY_OUTPUT = OUTPUTS.places()[1:]
 
 AXES = ("p", "i", "d")
 LABELS = ("Z", "VS", "S", "M", "B")
@@ -82,27 +89,29 @@ def scaled(value: float, scale: float) -> float:
 
 def fuzzy_inputs(p: Array, x: Array) -> None:
     """The two inputs of the fuzzy systems, after `pid_sense`."""
-    x[X_INPUTS] = scaled(x[ERROR], p[P_SCALE_E])
-    x[X_INPUTS + 1] = scaled(x[DERIVATIVE], p[P_SCALE_DE])
+    x[X_INPUTS] = scaled(x[ERROR], p[P_SCALES])
+    x[X_INPUTS + 1] = scaled(x[DERIVATIVE], p[P_SCALES + 1])
+
+
+def system_parameters(p: Array, which: int, axis: int) -> Array:
+    """Structure or θ of the system of an axis, a view into p."""
+    return row_of(part(p[P_IN_PARAMETERS:], p, which), axis, 3)
+
+
+def system_state(p: Array, x: Array, which: int, axis: int) -> Array:
+    """Memberships, firings or strengths of the system of an axis, a view into x."""
+    return row_of(part(p[P_IN_STATE:], x, which), axis, 3)
 
 
 def fuzzy_gain(p: Array, x: Array, axis: int, theta: Array) -> int:
     """U of one axis (0, 1, 2 for p, i, d) into x; returns 1 where no rule fires."""
-    n_s = int(p[P_N_S])
-    n_mu = int(p[P_N_MU])
-    n_rules = int(p[P_N_RULES])
-    n_weights = int(p[P_N_WEIGHTS])
-    s_at = P_SYSTEMS + n_s * axis
-    mu_at = X_WORK + (n_mu + n_rules + n_weights) * axis
-    firing_at = mu_at + n_mu
-    strength_at = firing_at + n_rules
     return infer(
-        p[s_at : s_at + n_s],
+        system_parameters(p, STRUCTURE, axis),
         theta,
         x[X_INPUTS:X_U],
-        x[mu_at:firing_at],
-        x[firing_at:strength_at],
-        x[strength_at : strength_at + n_weights],
+        system_state(p, x, MU, axis),
+        system_state(p, x, FIRING, axis),
+        system_state(p, x, STRENGTH, axis),
         x[X_U + axis : X_U + axis + 1],
     )
 
@@ -119,32 +128,27 @@ def fuzzy_act(p: Array, x: Array, silent: int, y: Array) -> None:
     kd = gain_in_force(p, x, 2)
     pid_act(p, x, kp, ki, kd, y)
     for a in range(3):
-        y[Y_INFERRED + a] = x[X_U + a]
-    y[Y_INFERRED + 3] = x[X_INPUTS]
-    y[Y_INFERRED + 4] = x[X_INPUTS + 1]
+        y[Y_U_INFERRED + a] = x[X_U + a]
+    y[Y_INPUTS] = x[X_INPUTS]
+    y[Y_INPUTS + 1] = x[X_INPUTS + 1]
     y[Y_SILENT] = float(silent)
 
 
 def show_firing(p: Array, x: Array, at: int, y: Array) -> None:
     """Rule firings of the three systems into y from `at` on, as far as y has room."""
-    n_mu = int(p[P_N_MU])
-    n_rules = int(p[P_N_RULES])
-    width = n_mu + n_rules + int(p[P_N_WEIGHTS])
-    if y.shape[0] >= at + 3 * n_rules:
-        for a in range(3):
-            for r in range(n_rules):
-                y[at + n_rules * a + r] = x[X_WORK + width * a + n_mu + r]
+    firing = part(p[P_IN_STATE:], x, FIRING)
+    if y.shape[0] >= at + firing.shape[0]:
+        for i in range(firing.shape[0]):
+            y[at + i] = firing[i]
 
 
 def fuzzy_pid_step(p: Array, x: Array, u: Array, y: Array) -> None:
     """Step of `FuzzyPID`: inputs reference, measured."""
     pid_sense(p, x, u[0], u[1])
     fuzzy_inputs(p, x)
-    n_theta = int(p[P_N_THETA])
     silent = 0
     for a in range(3):
-        at = P_SYSTEMS + 3 * int(p[P_N_S]) + n_theta * a
-        silent = silent + fuzzy_gain(p, x, a, p[at : at + n_theta])
+        silent = silent + fuzzy_gain(p, x, a, system_parameters(p, THETA, a))
     fuzzy_act(p, x, silent, y)
     show_firing(p, x, N_FUZZY_OUTPUT, y)
 
@@ -226,31 +230,32 @@ class FuzzyPIDLaw(PIDLaw):
             inputs, (weights,), grid_rules(table), self.implication, self.aggregation
         )
 
-    def fuzzy_parameters(self, sample_time: float) -> Array:
-        """p up to and with the structures s_p, s_i, s_d."""
-        system = self.system("p")
-        gains = [v for low, high in (self.kp, self.ki, self.kd) for v in (low, high - low)]
-        structures = [self.system(a).structure() for a in AXES]
-        sizes = [
-            len(structures[0]),
-            len(system.theta()),
-            system.n_functions,
-            len(system.rules),
-            system.n_weights,
-        ]
-        scales = [1.0 / self.error_range, 1.0 / self.error_rate_range]
-        law = self.law_parameters(sample_time, max(self.ki, key=abs))
-        return np.concatenate([law, gains, scales, sizes, *structures])
+    def fuzzy_parameters(self, sample_time: float, thetas: Array) -> Array:
+        """p with the θ (3, n) that do not change; n is 0 where the tuner has them."""
+        structures = np.array([self.system(a).structure() for a in AXES])
+        sizes = {"structure": structures.shape[1], "theta": thetas.shape[1]}
+        head: dict[str, ArrayLike] = {
+            "law": self.law_parameters(sample_time, max(self.ki, key=abs)),
+            "gains": [(low, high - low) for low, high in (self.kp, self.ki, self.kd)],
+            "scales": (1.0 / self.error_range, 1.0 / self.error_rate_range),
+            "in_parameters": SYSTEMS.table(HEAD.length, **sizes),
+            "in_state": STATE.table(**self.state_sizes()),
+        }
+        systems = SYSTEMS.fill({"structure": structures, "theta": thetas}, **sizes)
+        return np.concatenate([HEAD.fill(head), systems])
 
     def thetas(self) -> Array:
-        """θ_p, θ_i, θ_d one after the other."""
-        return np.concatenate([self.system(a).theta() for a in AXES])
+        """θ of p, i and d as rows."""
+        return np.array([self.system(a).theta() for a in AXES])
+
+    def state_sizes(self) -> dict[str, int]:
+        """The sizes that `STATE` names."""
+        s = self.system("p")
+        return {"functions": s.n_functions, "rules": len(s.rules), "weights": s.n_weights}
 
     def fuzzy_state(self) -> Array:
         """x of the law and the fuzzy systems at the start."""
-        system = self.system("p")
-        work = 3 * (system.n_functions + len(system.rules) + system.n_weights)
-        return np.concatenate([np.zeros(X_U), np.full(3, 0.5), np.zeros(work)])
+        return STATE.fill({"U": np.full(3, 0.5)}, **self.state_sizes())
 
     def fuzzy_outputs(self) -> tuple[Signal, ...]:
         """Outputs of the law and the fuzzy systems in the order of the Y_ constants."""
@@ -288,16 +293,15 @@ class FuzzyPID(FuzzyPIDLaw):
 
     def block(self, sample_time: float) -> Block:
         """The block for this sample time [s]."""
-        fixed = self.fuzzy_parameters(sample_time)
-        thetas = self.thetas()
+        parameters = self.fuzzy_parameters(sample_time, self.thetas())
         state = self.fuzzy_state()
         names = [*LAW_PARAMETER_NAMES, "kp_0", "delta_kp", "ki_0", "delta_ki", "kd_0", "delta_kd"]
-        names += [f"p_{i}" for i in range(len(names), len(fixed) + len(thetas))]
+        names += [f"p_{i}" for i in range(len(names), len(parameters))]
         return Block(
             inputs=self.law_inputs(),
             outputs=(*self.fuzzy_outputs(), *self.firing_outputs()),
             step=fuzzy_pid_step,
-            parameters=np.concatenate([fixed, thetas]),
+            parameters=parameters,
             parameter_names=tuple(names),
             tunable=LAW_TUNABLE,
             state=state,

@@ -29,6 +29,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import (
@@ -42,8 +43,8 @@ from controllers.core.limit import limit
 from controllers.kalman.p_point import PPoint, gaussian_score
 from controllers.papers.ahn2009.fuzzy_pid import AXES, LABELS, FuzzyPIDLaw
 from controllers.papers.ahn2009.membership_view import Curves, axis_curves
-from controllers.papers.ahn2009.tuned_step import S_AXES, S_SENSITIVITY, tuned_fuzzy_pid_step
-from controllers.papers.ahn2009.tuner import REDUCED_SIZE, tune_work
+from controllers.papers.ahn2009.tuned_step import TUNED, TUNER, tuned_fuzzy_pid_step
+from controllers.papers.ahn2009.tuner import tune_work
 
 Noise = float | tuple[float, float, float]
 FILTERS = ("ekf", "robust_ekf")
@@ -122,7 +123,7 @@ class TunedFuzzyPID(FuzzyPIDLaw):
         return (self.error_range / 50.0) ** 2 if self.r is None else self.r
 
     def process_noise(self) -> Array:
-        """Diagonals of Q (37), (38) of p, i, d one after the other."""
+        """Diagonals of Q (37), (38) of p, i, d as rows."""
         triangles, weights = sum(self.classes), self.system("p").n_weights
         centre, width, weight = (
             _three(name, getattr(self, name)) for name in ("q_centre", "q_half_width", "q_weight")
@@ -130,38 +131,39 @@ class TunedFuzzyPID(FuzzyPIDLaw):
         rows = [
             [centre[a], width[a], width[a]] * triangles + [weight[a]] * weights for a in range(3)
         ]
-        return np.array(rows, dtype=np.float64).ravel()
+        return np.array(rows, dtype=np.float64)
+
+    def sizes(self) -> dict[str, int]:
+        """The sizes that `TUNED` and `TUNER` name."""
+        n = self.thetas().shape[1]
+        return {"n": n, "work": tune_work(n)}
 
     def tuner_parameters(self) -> Array:
-        """Parameters of the tuner in the order of the T_ constants."""
+        """Parameters of the tuner, laid out by `TUNER`."""
         low, high = self.sensitivity_bounds
-        head = [
-            self.R,
-            float(self.vector == "reduced"),
-            float(self.alignment == "causal"),
-            float(self.sensitivity == "input"),
-            self.smallest_du,
-            low,
-            high,
-            self.half_width_floor,
-            self.centre_gap,
-            float(self.tune_when_saturated),
-            *(float(count) for count in self.classes),
-        ]
         robust = self.filter == "robust_ekf"
-        score = PPoint(self.p).score() if robust else gaussian_score()
-        return np.concatenate([head, score, self.process_noise()])
+        values: dict[str, ArrayLike] = {
+            "r": self.R,
+            "reduced": self.vector == "reduced",
+            "causal": self.alignment == "causal",
+            "from_input": self.sensitivity == "input",
+            "smallest_du": self.smallest_du,
+            "low": low,
+            "high": high,
+            "floor": self.half_width_floor,
+            "gap": self.centre_gap,
+            "when_saturated": self.tune_when_saturated,
+            "classes": self.classes,
+            "score": PPoint(self.p).score() if robust else gaussian_score(),
+            "in_state": TUNED.table(len(self.fuzzy_state()), **self.sizes()),
+            "noise": self.process_noise(),
+        }
+        return TUNER.fill(values, **self.sizes())
 
     def tuner_state(self) -> Array:
-        """State of the tuner, the axes and the work space at the start."""
-        head = np.zeros(S_AXES)
-        head[S_SENSITIVITY] = limit(0.0, *self.sensitivity_bounds)
-        thetas = self.thetas().reshape(3, -1)
-        n = thetas.shape[1]
-        axes = np.zeros((3, 3 * n + n * n))
-        axes[:, :n] = thetas
-        work = np.zeros(n + REDUCED_SIZE + tune_work(n))
-        return np.concatenate([head, axes.ravel(), work])
+        """State of the tuner at the start, laid out by `TUNED`."""
+        start = limit(0.0, *self.sensitivity_bounds)
+        return TUNED.fill({"sensitivity": start, "theta": self.thetas()}, **self.sizes())
 
     def tuner_outputs(self) -> tuple[Signal, ...]:
         """Outputs of the tuner in the order of the Y_ constants, then θ."""
@@ -178,7 +180,7 @@ class TunedFuzzyPID(FuzzyPIDLaw):
         parts = ("a", "b_minus", "b_plus")
         labels = [f"{part}_{j}_{i}" for j, i in pairs for part in parts]
         labels += [f"w_{k + 1}" for k in range(self.system("p").n_weights)]
-        starts = iter(self.thetas())
+        starts = iter(self.thetas().ravel())
         return (
             Signal("sensitivity_used", unit, "∂y/∂u in force"),
             *(Signal(f"{k}_{a}", "1", f"{text} {a}") for k, text in kinds for a in AXES),
@@ -198,7 +200,7 @@ class TunedFuzzyPID(FuzzyPIDLaw):
             outputs=(*self.fuzzy_outputs(), *self.tuner_outputs(), *self.firing_outputs()),
             step=tuned_fuzzy_pid_step,
             parameters=np.concatenate(
-                [self.fuzzy_parameters(sample_time), self.tuner_parameters()]
+                [self.fuzzy_parameters(sample_time, np.zeros((3, 0))), self.tuner_parameters()]
             ),
             state=np.concatenate([self.fuzzy_state(), self.tuner_state()]),
         )

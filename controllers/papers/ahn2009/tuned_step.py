@@ -1,34 +1,35 @@
 """The step of the tuned fuzzy PID: the fuzzy PID of `fuzzy_pid` and three filters.
 
-Block arrays: p = [as FuzzyPID up to s_d | tuner | score | Q of p, i, d],
-x = [as FuzzyPID | tuner | (θ, ∂u/∂θ, active, P) of p, i, d | work], with n = len(θ) of one axis.
+Block arrays: p is that of the fuzzy PID without θ, then `TUNER`; x is that of the fuzzy PID, then
+`TUNED`, with n = len(θ) of one axis.
 
-This module refuses to choose parameters; `tuned_fuzzy_pid` does, and says what they
-mean.
+This module refuses to choose parameters; `tuned_fuzzy_pid` does, and says what they mean.
 """
 
 from __future__ import annotations
 
 from controllers.core.block import Array
+from controllers.core.layout import Layout, part, row_of
 from controllers.core.limit import limit
 from controllers.fuzzy.gradient import infer_gradient
 from controllers.kalman.p_point import N_SCORE
 from controllers.papers.ahn2009.fuzzy_pid import (
+    FIRING,
+    MU,
     N_FUZZY_OUTPUT,
     P_GAINS,
-    P_N_MU,
-    P_N_RULES,
-    P_N_S,
-    P_N_THETA,
-    P_N_WEIGHTS,
-    P_SYSTEMS,
+    P_IN_PARAMETERS,
+    STRENGTH,
+    STRUCTURE,
+    SYSTEMS,
     X_INPUTS,
     X_U,
-    X_WORK,
     fuzzy_act,
     fuzzy_gain,
     fuzzy_inputs,
     show_firing,
+    system_parameters,
+    system_state,
 )
 from controllers.papers.ahn2009.tuner import (
     REDUCED_SIZE,
@@ -48,57 +49,61 @@ from controllers.pid.pid import (
     pid_sense,
 )
 
-# Parameters of the tuner, from P_SYSTEMS + 3·n_s on.
-T_R, T_REDUCED, T_CAUSAL, T_FROM_INPUT, T_SMALLEST_DU, T_LOW, T_HIGH = range(7)
-T_FLOOR, T_GAP, T_WHEN_SATURATED, T_N, T_M = range(7, 12)
-T_SCORE = 12
-T_NOISE = T_SCORE + N_SCORE
+# State of the tuner, after that of the fuzzy PID; `given` is the input ∂y/∂u of the instant before.
+TUNED = Layout.of(
+    seen=(), y=(), u=(), u_before=(), sensitivity=(), saturated=(), innovation=(), gamma=3, nis=3,
+    given=(), theta=(3, "n"), gradient=(3, "n"), active=(3, "n"), P=(3, "n", "n"),
+    h="n", index=REDUCED_SIZE, work="work",
+)  # fmt: skip
+(S_SEEN, S_Y, S_U, S_U_BEFORE, S_SENSITIVITY, S_SATURATED, S_INNOVATION, S_GAMMA, S_NIS,
+ S_GIVEN, _) = TUNED.places()  # fmt: skip
+THETA, GRADIENT, ACTIVE, COVARIANCE = map(TUNED.number, ("theta", "gradient", "active", "P"))
+H, INDEX, WORK = map(TUNED.number, ("h", "index", "work"))
 
-# State of the tuner, after that of the fuzzy PID; then one block per axis, then the work space.
-S_SEEN, S_Y, S_U, S_U_BEFORE, S_SENSITIVITY, S_SATURATED, S_INNOVATION = range(7)
-S_GAMMA, S_NIS, S_GIVEN = 7, 10, 13  # S_GIVEN: sensitivity input of the instant before
-S_AXES = 14
+# Parameters of the tuner, after those of the fuzzy PID.
+TUNER = Layout.of(
+    r=(), reduced=(), causal=(), from_input=(), smallest_du=(), low=(), high=(), floor=(), gap=(),
+    when_saturated=(), classes=2, score=N_SCORE, in_state=TUNED.entries, noise=(3, "n"),
+)  # fmt: skip
+(T_R, T_REDUCED, T_CAUSAL, T_FROM_INPUT, T_SMALLEST_DU, T_LOW, T_HIGH, T_FLOOR, T_GAP,
+ T_WHEN_SATURATED, T_CLASSES, T_SCORE, T_IN_STATE, T_NOISE) = TUNER.places()  # fmt: skip
 
-# Outputs after those of the fuzzy PID: sensitivity, then three of each; then θ of p, i, d.
-Y_SENSITIVITY = N_FUZZY_OUTPUT
-Y_GAMMA, Y_NIS, Y_TRACE, Y_LEAST = (N_FUZZY_OUTPUT + n for n in (1, 4, 7, 10))
-Y_THETA = N_FUZZY_OUTPUT + 13
+# Outputs after those of the fuzzy PID; least is the least variance in P; then θ of p, i, d.
+OUTPUTS = Layout.of(
+    fuzzy=N_FUZZY_OUTPUT, sensitivity=(), gamma=3, nis=3, trace=3, least=3, theta=()
+)
+_, Y_SENSITIVITY, Y_GAMMA, Y_NIS, Y_TRACE, Y_LEAST, Y_THETA = OUTPUTS.places()
+P_TUNER = P_IN_PARAMETERS + len(SYSTEMS.names)  # in p: where the parameters of the tuner begin
 
 
-def tuner_at(p: Array) -> int:
-    """Where the tuner's state begins in x."""
-    return X_WORK + 3 * (int(p[P_N_MU]) + int(p[P_N_RULES]) + int(p[P_N_WEIGHTS]))
+def tuner(p: Array) -> Array:
+    """The parameters of the tuner, a view into p."""
+    return p[int(p[P_TUNER]) :]
 
 
-def axis_at(p: Array, axis: int) -> int:
-    """Where θ of an axis begins in x; ∂u/∂θ, active flags and P follow."""
-    n = int(p[P_N_THETA])
-    return tuner_at(p) + S_AXES + axis * (3 * n + n * n)
+def tuner_state(p: Array, x: Array) -> Array:
+    """The state of the tuner, a view into x that begins with its S_ numbers."""
+    return x[int(tuner(p)[T_IN_STATE]) :]
+
+
+def tuned(p: Array, x: Array, which: int) -> Array:
+    """A part of `TUNED`, a view into x."""
+    return part(tuner(p)[T_IN_STATE:], x, which)
 
 
 def keep_gradient(p: Array, x: Array, axis: int) -> None:
     """∂u/∂θ = ∂u/∂U·∂U/∂θ of (41) to (47) for the instant just computed, into x."""
-    n_s = int(p[P_N_S])
-    n = int(p[P_N_THETA])
-    n_mu = int(p[P_N_MU])
-    n_rules = int(p[P_N_RULES])
-    n_weights = int(p[P_N_WEIGHTS])
-    at = axis_at(p, axis)
-    mu_at = X_WORK + (n_mu + n_rules + n_weights) * axis
-    firing_at = mu_at + n_mu
-    strength_at = firing_at + n_rules
-    work_at = axis_at(p, 3)
-    gradient = x[at + n : at + 2 * n]
+    gradient = row_of(tuned(p, x, GRADIENT), axis, 3)
     infer_gradient(
-        p[P_SYSTEMS + n_s * axis : P_SYSTEMS + n_s * (axis + 1)],
-        x[at : at + n],
+        system_parameters(p, STRUCTURE, axis),
+        row_of(tuned(p, x, THETA), axis, 3),
         x[X_INPUTS:X_U],
-        x[mu_at:firing_at],
-        x[firing_at:strength_at],
-        x[strength_at : strength_at + n_weights],
+        system_state(p, x, MU, axis),
+        system_state(p, x, FIRING, axis),
+        system_state(p, x, STRENGTH, axis),
         x[X_U + axis : X_U + axis + 1],
         0,
-        x[work_at : work_at + n_mu],
+        tuned(p, x, H),
         gradient,
     )
     lever = x[ERROR]
@@ -107,50 +112,45 @@ def keep_gradient(p: Array, x: Array, axis: int) -> None:
     if axis == 2:
         lever = x[DERIVATIVE]
     lever = lever * p[P_GAINS + 2 * axis + 1]
-    for i in range(n):
+    for i in range(gradient.shape[0]):
         gradient[i] = gradient[i] * lever
 
 
 def tune_axis(p: Array, x: Array, axis: int) -> None:
     """One filter step of one axis with the innovation and sensitivity in x."""
-    n_s = int(p[P_N_S])
-    n = int(p[P_N_THETA])
-    t = p[P_SYSTEMS + 3 * n_s :]
-    tuner = tuner_at(p)
-    at = axis_at(p, axis)
-    theta = x[at : at + n]
-    P = x[at + 3 * n : at + 3 * n + n * n]
-    noise = t[T_NOISE + n * axis : T_NOISE + n * (axis + 1)]
-    score = t[T_SCORE:T_NOISE]
-    gamma = x[tuner + S_GAMMA + axis : tuner + S_GAMMA + axis + 1]
-    innovation = x[tuner + S_INNOVATION : tuner + S_INNOVATION + 1]
-    work_at = axis_at(p, 3)
-    h = x[work_at : work_at + n]
-    index = x[work_at + n : work_at + n + REDUCED_SIZE]
-    work = x[work_at + n + REDUCED_SIZE :]
-    for i in range(n):
-        h[i] = x[tuner + S_SENSITIVITY] * x[at + n + i]
+    t = tuner(p)
+    x_t = tuner_state(p, x)
+    theta = row_of(tuned(p, x, THETA), axis, 3)
+    gradient = row_of(tuned(p, x, GRADIENT), axis, 3)
+    P = row_of(tuned(p, x, COVARIANCE), axis, 3)
+    noise = row_of(t[T_NOISE:], axis, 3)
+    score = t[T_SCORE:T_IN_STATE]
+    gamma = x_t[S_GAMMA + axis : S_GAMMA + axis + 1]
+    innovation = x_t[S_INNOVATION : S_INNOVATION + 1]
     R = t[T_R : T_R + 1]
+    h = tuned(p, x, H)
+    index = tuned(p, x, INDEX)
+    work = tuned(p, x, WORK)
+    n = theta.shape[0]
+    for i in range(n):
+        h[i] = x_t[S_SENSITIVITY] * gradient[i]
     if t[T_REDUCED] > 0.0:
-        s = p[P_SYSTEMS + n_s * axis : P_SYSTEMS + n_s * (axis + 1)]
-        n_mu = int(p[P_N_MU])
-        mu_at = X_WORK + (n_mu + int(p[P_N_RULES]) + int(p[P_N_WEIGHTS])) * axis
-        count = active_components(s, theta, x[X_INPUTS:X_U], x[mu_at : mu_at + n_mu], index)
-        change_active_set(n, P, x[at + 2 * n : at + 3 * n], index, count)
-        x[tuner + S_NIS + axis] = update_reduced(
+        s = system_parameters(p, STRUCTURE, axis)
+        mu = system_state(p, x, MU, axis)
+        count = active_components(s, theta, x[X_INPUTS:X_U], mu, index)
+        change_active_set(n, P, row_of(tuned(p, x, ACTIVE), axis, 3), index, count)
+        x_t[S_NIS + axis] = update_reduced(
             n, count, index, theta, P, h, noise, innovation, R, score, gamma, work
         )
     else:
-        x[tuner + S_NIS + axis] = update_full(
-            n, theta, P, h, noise, innovation, R, score, gamma, work
-        )
-    project(theta, int(t[T_N]), int(t[T_M]), t[T_FLOOR], t[T_GAP])
+        x_t[S_NIS + axis] = update_full(n, theta, P, h, noise, innovation, R, score, gamma, work)
+    project(theta, int(t[T_CLASSES]), int(t[T_CLASSES + 1]), t[T_FLOOR], t[T_GAP])
 
 
 def tune(p: Array, x: Array, u: Array) -> None:
     """Sensitivity and one filter step of all three axes."""
-    t = p[P_SYSTEMS + 3 * int(p[P_N_S]) :]
-    x_t = x[tuner_at(p) :]
+    t = tuner(p)
+    x_t = tuner_state(p, x)
     instants = 1.0 + t[T_CAUSAL]
     if t[T_FROM_INPUT] > 0.0:
         given = u[2]
@@ -178,21 +178,23 @@ def tune(p: Array, x: Array, u: Array) -> None:
 
 def show_tuner(p: Array, x: Array, y: Array) -> None:
     """Sensitivity, γ, γ², trace and least variance of P, and θ, into y."""
-    n = int(p[P_N_THETA])
-    x_t = x[tuner_at(p) :]
+    x_t = tuner_state(p, x)
     y[Y_SENSITIVITY] = x_t[S_SENSITIVITY]
+    theta = tuned(p, x, THETA)
+    n = theta.shape[0] // 3
+    for i in range(3 * n):
+        y[Y_THETA + i] = theta[i]
     for axis in range(3):
-        at = axis_at(p, axis)
+        P = row_of(tuned(p, x, COVARIANCE), axis, 3)
         y[Y_GAMMA + axis] = x_t[S_GAMMA + axis]
         y[Y_NIS + axis] = x_t[S_NIS + axis]
         trace = 0.0
-        least = x[at + 3 * n]
+        least = P[0]
         for i in range(n):
-            variance = x[at + 3 * n + i * (n + 1)]
+            variance = P[i * (n + 1)]
             trace = trace + variance
             if variance < least:
                 least = variance
-            y[Y_THETA + n * axis + i] = x[at + i]
         y[Y_TRACE + axis] = trace
         y[Y_LEAST + axis] = least
     show_firing(p, x, Y_THETA + 3 * n, y)
@@ -200,17 +202,15 @@ def show_tuner(p: Array, x: Array, y: Array) -> None:
 
 def tuned_fuzzy_pid_step(p: Array, x: Array, u: Array, y: Array) -> None:
     """Step of `TunedFuzzyPID`: inputs reference, measured and, where asked for, sensitivity."""
-    t = p[P_SYSTEMS + 3 * int(p[P_N_S]) :]
-    x_t = x[tuner_at(p) :]
-    n = int(p[P_N_THETA])
+    t = tuner(p)
+    x_t = tuner_state(p, x)
     if t[T_CAUSAL] > 0.0:
         tune(p, x, u)
     pid_sense(p, x, u[0], u[1])
     fuzzy_inputs(p, x)
     silent = 0
     for axis in range(3):
-        at = axis_at(p, axis)
-        silent = silent + fuzzy_gain(p, x, axis, x[at : at + n])
+        silent = silent + fuzzy_gain(p, x, axis, row_of(tuned(p, x, THETA), axis, 3))
     fuzzy_act(p, x, silent, y)
     for axis in range(3):
         keep_gradient(p, x, axis)

@@ -10,7 +10,7 @@ from controllers.fuzzy.inference import FuzzySystem, Membership, grid_rules, inf
 from controllers.fuzzy.membership import KINDS, PARAMETERS, membership, membership_gradient
 from controllers.papers.ahn2009.fuzzy_pid import FuzzyPID
 from controllers.papers.ahn2009.tuned_fuzzy_pid import TunedFuzzyPID
-from controllers.papers.ahn2009.tuned_step import axis_at
+from controllers.papers.ahn2009.tuned_step import GRADIENT, THETA, tuned
 from tests.controllers.compiled import run
 
 H = 1e-6
@@ -107,8 +107,7 @@ def test_of_the_whole_control_signal(axis: int) -> None:
     p, x, y = block.parameters, block.state.copy(), np.zeros(len(block.outputs))
     for u in inputs:
         block.step(p, x, u, y)
-    at = axis_at(p, axis)
-    theta, kept = x[at : at + 35], x[at + 35 : at + 70]
+    theta, kept = (tuned(p, x, which).reshape(3, 35)[axis] for which in (THETA, GRADIENT))
     name = "theta_" + "pid"[axis]
     for i in range(35):
         moved = [tuple(theta + sign * H * np.eye(35)[i]) for sign in (1, -1)]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from controllers.kalman.extended_kalman import predicted, updated
 from controllers.kalman.p_point import ALPHA_E, FACTOR, PPoint, gaussian_score
 from controllers.papers.ahn2009.tuned_fuzzy_pid import TunedFuzzyPID
-from controllers.papers.ahn2009.tuned_step import axis_at
+from controllers.papers.ahn2009.tuned_step import COVARIANCE, tuned
 
 EPS = np.finfo(float).eps
 
@@ -75,7 +75,6 @@ def test_tuner_covariances_over_a_run(vector: str, filter_name: str) -> None:
         level = 0.9 * level + rng.normal(0.0, 500.0)
         block.step(p, x, np.array([1000.0, 1000.0 + level]), y)
         for axis in range(3) if k % 5 == 0 else ():
-            at = axis_at(p, axis) + 3 * 35
-            P = x[at : at + 35 * 35].reshape(35, 35)
+            P = tuned(p, x, COVARIANCE).reshape(3, 35, 35)[axis]
             assert_covariance(P, np.linalg.eigvalsh(P)[-1])
     assert np.all(y[[s.name.startswith("p_trace") for s in block.outputs]] > 0)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from controllers.fuzzy.inference import memberships
 from controllers.papers.ahn2009.fuzzy_pid import LABELS, TABLE_2, FuzzyPID
 from controllers.papers.ahn2009.tuned_fuzzy_pid import TunedFuzzyPID
-from controllers.papers.ahn2009.tuned_step import axis_at
+from controllers.papers.ahn2009.tuned_step import THETA, tuned
 from controllers.papers.ahn2009.tuner import active_components, change_active_set
 
 BASE = FuzzyPID(kp=(0, 1), ki=(0, 1), kd=(0, 1), error_range=1.0, error_rate_range=1.0)
@@ -64,7 +64,7 @@ def theta_after(vector: str, error: float, samples: int) -> np.ndarray:
     p, x, y = block.parameters, block.state.copy(), np.zeros(len(block.outputs))
     for _ in range(samples):
         block.step(p, x, np.array([error, 0.0]), y)
-    return np.array([x[axis_at(p, a) : axis_at(p, a) + 35] for a in range(3)])
+    return tuned(p, x, THETA).reshape(3, 35)
 
 
 def test_first_step_equals_the_full_vector_and_the_rest_rests() -> None:
