@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from controllers.core.block import Array, Signal
+from controllers.core.block import Signal
 from controllers.core.errors import ControllerError
+from controllers.core.layout import part
 from controllers.kalman.estimator import Estimator
+from controllers.kalman.estimator_step import NOISE, P_IN_PARAMETERS
 from controllers.kalman.extended_kalman import predicted, updated
 from controllers.kalman.linear_model import linear_measurement, linear_model
 from controllers.papers.raheem2013.servo_estimator import ServoEstimator
@@ -94,9 +96,10 @@ def test_without_measurement_it_is_the_model_alone() -> None:
 
 def test_white_noise_counts_with_its_intensity() -> None:
     """Noise held for 0.1 ms and a filter at 0.2 ms: variance of the mean over the sample."""
-    double: Array = servo().block(2e-4).parameters
-    single: Array = servo().block(1e-4).parameters
-    np.testing.assert_allclose(double[8:10], single[8:10] / 2, rtol=1e-12)
+    blocks = (servo().block(sample_time).parameters for sample_time in (1e-4, 2e-4))
+    single, double = (part(p[P_IN_PARAMETERS:], p, NOISE) for p in blocks)
+    assert single.size == 2 and np.all(single > 0.0)
+    np.testing.assert_allclose(double, single / 2, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
