@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[1]
 ROOMS = ("fmus", "harness", "controllers", "experiments", "tests", "benchmarks")
 FLOORS = (
     "harness.errors",
+    "harness.siblings",
     "harness.clock",
     "harness.system.block",
     "harness.system.units",
