@@ -19,21 +19,13 @@ import numpy as np
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require
+from controllers.core.limit import limit
 from controllers.kalman.estimator import Model
 from controllers.state_space.affine_model import affine, find_model, require_rest
 from controllers.state_space.lq import LQDesign, continuous_lq
 from controllers.state_space.state_weights import Weights, weight_matrix
 
 P_N, P_R, P_U_MIN, P_U_MAX, P_K = range(5)
-
-
-def clipped(value: float, low: float, high: float) -> float:
-    """`value` limited to [low, high]; NaN stays NaN."""
-    if value < low:
-        return low
-    if value > high:
-        return high
-    return value
 
 
 def lq_step(p: Array, x: Array, u: Array, y: Array) -> None:
@@ -43,7 +35,7 @@ def lq_step(p: Array, x: Array, u: Array, y: Array) -> None:
         total = 0.0
         for i in range(n):
             total = total - p[P_K + j * n + i] * u[i]
-        y[j] = clipped(total, p[P_U_MIN], p[P_U_MAX])
+        y[j] = limit(total, p[P_U_MIN], p[P_U_MAX])
 
 
 def control_signals(model: Model) -> tuple[Signal, ...]:

@@ -27,24 +27,33 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require, require_finite, require_not_negative, require_positive
+from controllers.core.layout import Layout, part
 from controllers.core.limit import limit
 from controllers.fuzzy.inference import FuzzySystem, Membership, Rule, infer
+from controllers.fuzzy.map_block import STRUCTURE, SYSTEM, THETA
 
 Table = tuple[tuple[float, ...], ...]
 
-# Parameters: the head, then the fuzzy structure, then θ.
-TS, TORQUE_ZONE, SPEED_FLOOR, SPEED_SHARE, LATCH, ER_MIN, ER_MAX = range(7)
-SPEED_MIN, SPEED_MAX, AT_THETA, N_FUNCTIONS, N_RULES = range(7, 12)
-N_HEAD = 12
-
-# State: the head, then the four outputs of the fuzzy system, then work space.
-STARTED, ER, LATCHED = range(3)
-OUT = 3
+# State: the last four are those of the fuzzy system; `out` are T_2, k_T, q, r.
+STATE = Layout.of(
+    started=(), er=(), latched=(), out=4, inputs=2, mu="functions", firing="rules",
+    strength="weights",
+)  # fmt: skip
+STARTED, ER, LATCHED, OUT, INPUTS, WORK = STATE.places()
+MU, FIRING, STRENGTH = map(STATE.number, ("mu", "firing", "strength"))
 T2, KT, Q, R = range(4)
-WORK = OUT + 4
+
+# Parameters: `HEAD`, then the fuzzy system.
+HEAD = Layout.of(
+    ts=(), torque_zone=(), speed_floor=(), speed_share=(), latch=(), er_min=(), er_max=(),
+    speed_min=(), speed_max=(), in_parameters=SYSTEM.entries, in_state=STATE.entries,
+)  # fmt: skip
+(TS, TORQUE_ZONE, SPEED_FLOOR, SPEED_SHARE, LATCH, ER_MIN, ER_MAX, SPEED_MIN, SPEED_MAX,
+ IN_PARAMETERS, IN_STATE) = HEAD.places()  # fmt: skip
 
 OUTPUT_NAMES = ("load_time_constant", "q_scale", "r_scale", "k_t", "er", "torque_error",
                 "speed_error", "latched_load_torque", "active")  # fmt: skip
@@ -61,15 +70,13 @@ def dead_zone(value: float, width: float) -> float:
 
 def infer_tables(p: Array, x: Array, er: float, speed: float) -> None:
     """T_2, k_T, q, r for er and ω_ref, into the state."""
-    work = x[WORK:]
-    functions = int(p[N_FUNCTIONS])
-    rules = int(p[N_RULES])
-    work[0] = limit(er, p[ER_MIN], p[ER_MAX])
-    work[1] = limit(speed, p[SPEED_MIN], p[SPEED_MAX])
+    in_p = p[IN_PARAMETERS:]
+    in_x = p[IN_STATE:]
+    x[INPUTS] = limit(er, p[ER_MIN], p[ER_MAX])
+    x[INPUTS + 1] = limit(speed, p[SPEED_MIN], p[SPEED_MAX])
     infer(
-        p[N_HEAD : int(p[AT_THETA])], p[int(p[AT_THETA]) :], work[:2], work[2 : 2 + functions],
-        work[2 + functions : 2 + functions + rules], work[2 + functions + rules :],
-        x[OUT:WORK],
+        part(in_p, p, STRUCTURE), part(in_p, p, THETA), x[INPUTS:WORK], part(in_x, x, MU),
+        part(in_x, x, FIRING), part(in_x, x, STRENGTH), x[OUT:INPUTS],
     )  # fmt: skip
 
 
@@ -177,17 +184,21 @@ class FuzzyInertiaEstimator:
         """The block for this sample time [s]."""
         require_positive("FuzzyInertiaEstimator.block: sample_time", sample_time)
         system = self.system()
-        structure, theta = system.structure(), system.theta()
-        head = [
-            sample_time, self.torque_dead_zone, self.speed_dead_zone, self.speed_dead_zone_share,
-            1.0 - math.exp(-sample_time / self.latch_time),
-            self.er_centres[0], self.er_centres[-1], self.speed_centres[0], self.speed_centres[-1],
-            N_HEAD + len(structure), system.n_functions, len(system.rules),
-        ]  # fmt: skip
-        work = 2 + system.n_functions + len(system.rules) + system.n_weights
-        state = np.zeros(WORK + work)
-        state[ER] = min(max(self.initial_er, self.er_centres[0]), self.er_centres[-1])
-        p = np.concatenate([np.array(head), structure, theta])
+        tables = {"structure": system.structure(), "theta": system.theta()}
+        sizes = {name: len(table) for name, table in tables.items()}
+        sizes |= {"functions": system.n_functions, "rules": len(system.rules)}
+        sizes["weights"] = system.n_weights
+        head: dict[str, ArrayLike] = {
+            "ts": sample_time, "torque_zone": self.torque_dead_zone,
+            "speed_floor": self.speed_dead_zone, "speed_share": self.speed_dead_zone_share,
+            "latch": 1.0 - math.exp(-sample_time / self.latch_time),
+            "er_min": self.er_centres[0], "er_max": self.er_centres[-1],
+            "speed_min": self.speed_centres[0], "speed_max": self.speed_centres[-1],
+            "in_parameters": SYSTEM.table(HEAD.length, **sizes), "in_state": STATE.table(**sizes),
+        }  # fmt: skip
+        er = min(max(self.initial_er, self.er_centres[0]), self.er_centres[-1])
+        state = STATE.fill({"er": er}, **sizes)
+        p = np.concatenate([HEAD.fill(head), SYSTEM.fill(tables, **sizes)])
         return Block(
             inputs=(
                 Signal("reference", "1", "ω_ref"),

@@ -27,19 +27,34 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from controllers.core.bind import bind
 from controllers.core.block import Array, Block, Signal
 from controllers.core.errors import require, require_finite, require_positive
+from controllers.core.layout import Layout, part, row_of
+from controllers.core.limit import limit
 from controllers.kalman.estimator import Model
 from controllers.papers.takata.choosing import ChoosingFunctions, choose
 from controllers.state_space.affine_model import affine, find_model, require_rest
 from controllers.state_space.lq import LQDesign, continuous_lq
-from controllers.state_space.lq_regulator import clipped, control_signals
+from controllers.state_space.lq_regulator import control_signals
 from controllers.state_space.state_weights import Weights, weight_matrix
 
-P_N, P_R, P_SECTIONS, P_VARIABLES, P_SHARPNESS, P_DECAY, P_U_MIN, P_U_MAX, P_C = range(9)
-X_EXTRA, X_C = 0, 1
+# Parameters: `HEAD`, then `TABLES`; a row of gains is that of one control of one section.
+TABLES = Layout.of(
+    separative="separative", sides=("sections", "variables", 2),
+    gains=("sections", "inputs", "augmented"),
+)  # fmt: skip
+STATE = Layout.of(extra=(), c="variables", weights="sections")
+HEAD = Layout.of(
+    n=(), r=(), sections=(), variables=(), sharpness=(), decay=(), u_min=(), u_max=(),
+    in_parameters=TABLES.entries, in_state=STATE.entries,
+)  # fmt: skip
+(P_N, P_R, P_SECTIONS, P_VARIABLES, P_SHARPNESS, P_DECAY, P_U_MIN, P_U_MAX, P_IN_PARAMETERS,
+ P_IN_STATE) = HEAD.places()  # fmt: skip
+SEPARATIVE, SIDES, GAINS = map(TABLES.number, TABLES.names)
+X_EXTRA, C, WEIGHTS = map(STATE.number, STATE.names)
 
 Corners = tuple[tuple[float, ...], ...]
 
@@ -72,20 +87,20 @@ def choosing_step(p: Array, x: Array, u: Array, y: Array) -> None:
     r = int(p[P_R])
     sections = int(p[P_SECTIONS])
     variables = int(p[P_VARIABLES])
-    at_sides = P_C + variables * n
-    at_f = at_sides + 2 * sections * variables
-    c = x[X_C : X_C + variables]
-    weights = x[X_C + variables : X_C + variables + sections]
-    separative_variables(p[P_C:at_sides], u, c)
-    choose(sections, variables, p[P_SHARPNESS], p[at_sides:at_f], c, weights)
+    c = part(p[P_IN_STATE:], x, C)
+    weights = part(p[P_IN_STATE:], x, WEIGHTS)
+    gains = part(p[P_IN_PARAMETERS:], p, GAINS)
+    separative_variables(part(p[P_IN_PARAMETERS:], p, SEPARATIVE), u, c)
+    sides = part(p[P_IN_PARAMETERS:], p, SIDES)
+    choose(sections, variables, p[P_SHARPNESS], sides, c, weights)
     for j in range(r):
         total = 0.0
         for i in range(sections):
-            at = at_f + (i * r + j) * (n + 1)
-            part = section_control(n, p[at : at + n + 1], u, x[X_EXTRA])
-            y[r + 1 + sections + i * r + j] = part
-            total = total + weights[i] * part
-        y[j] = clipped(total, p[P_U_MIN], p[P_U_MAX])
+            F = row_of(gains, i * r + j, sections * r)
+            control = section_control(n, F, u, x[X_EXTRA])
+            y[r + 1 + sections + i * r + j] = control
+            total = total + weights[i] * control
+        y[j] = limit(total, p[P_U_MIN], p[P_U_MAX])
     y[r] = x[X_EXTRA]
     for i in range(sections):
         y[r + 1 + i] = weights[i]
@@ -181,21 +196,29 @@ class AugmentedChoosing:
         """The block for this sample time [s]."""
         require_positive(f"{type(self).__name__}.block: sample_time", sample_time)
         model, functions = self._model(), self.functions()
-        head = [
-            len(model.states), len(model.inputs), functions.sections, functions.variables,
-            self.sharpness, math.exp(-self.sigma * sample_time), self.u_min, self.u_max,
-        ]  # fmt: skip
-        gains = [design.K.ravel() for design in self.designs]
-        state = np.zeros(X_C + functions.variables + functions.sections)
-        state[X_EXTRA] = self.extra_start
+        separative = np.ravel(self.separative)
+        sizes = {
+            "separative": len(separative), "sections": functions.sections,
+            "variables": functions.variables, "inputs": len(model.inputs),
+            "augmented": len(model.states) + 1,
+        }  # fmt: skip
+        head: dict[str, ArrayLike] = {
+            "n": len(model.states), "r": len(model.inputs), "sections": functions.sections,
+            "variables": functions.variables, "sharpness": self.sharpness,
+            "decay": math.exp(-self.sigma * sample_time), "u_min": self.u_min,
+            "u_max": self.u_max, "in_parameters": TABLES.table(HEAD.length, **sizes),
+            "in_state": STATE.table(**sizes),
+        }  # fmt: skip
+        tables: dict[str, ArrayLike] = {
+            "separative": separative, "sides": functions.sides(),
+            "gains": [design.K for design in self.designs],
+        }  # fmt: skip
         return Block(
             inputs=model.states,
             outputs=self.outputs(),
             step=bind(choosing_step, separative_variables=self.separative_function),
-            parameters=np.concatenate(
-                [head, np.ravel(self.separative).astype(float), functions.sides(), *gains]
-            ),
-            state=state,
+            parameters=np.concatenate([HEAD.fill(head), TABLES.fill(tables, **sizes)]),
+            state=STATE.fill({"extra": self.extra_start}, **sizes),
         )
 
     def _model(self) -> Model:

@@ -105,8 +105,8 @@ class ChoosingFunctions:
         ]  # fmt: skip
 
     def sides(self) -> Array:
-        """All sides as `choose` reads them."""
-        return np.stack([self.lower, self.upper], axis=-1).ravel().astype(np.float64)
+        """All sides (sections, variables, 2); `choose` reads them one after the other."""
+        return np.stack([self.lower, self.upper], axis=-1).astype(np.float64)
 
     def weights(self, c: Sequence[float]) -> Array:
         """The weights (sections,) at c (variables,)."""
@@ -114,7 +114,7 @@ class ChoosingFunctions:
         given = np.asarray(c, dtype=np.float64)
         require(given.shape == (self.variables,), "ChoosingFunctions.weights: c",
                 f"{self.variables} numbers", c)  # fmt: skip
-        choose(self.sections, self.variables, self.sharpness, self.sides(), given, out)
+        choose(self.sections, self.variables, self.sharpness, self.sides().ravel(), given, out)
         return out
 
     def _require_tiles(self) -> None:
