@@ -1,4 +1,4 @@
-"""The step of the tuned fuzzy PID: the fuzzy PID of `fuzzy_pid` and three filters.
+"""The step of the tuned fuzzy PID: the fuzzy PID of `fuzzy_pid_step` and three filters.
 
 Block arrays: p is that of the fuzzy PID without θ, then `TUNER`; x is that of the fuzzy PID, then
 `TUNED`, with n = len(θ) of one axis.
@@ -13,7 +13,7 @@ from controllers.core.layout import Layout, part, row_of
 from controllers.core.limit import limit
 from controllers.fuzzy.gradient import infer_gradient
 from controllers.kalman.p_point import N_SCORE
-from controllers.papers.ahn2009.fuzzy_pid import (
+from controllers.papers.ahn2009.fuzzy_pid_step import (
     FIRING,
     MU,
     N_FUZZY_OUTPUT,

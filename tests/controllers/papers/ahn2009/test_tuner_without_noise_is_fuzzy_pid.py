@@ -5,7 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from controllers.papers.ahn2009.fuzzy_pid import N_FUZZY_OUTPUT, FuzzyPID
+from controllers.papers.ahn2009.fuzzy_pid import FuzzyPID
+from controllers.papers.ahn2009.fuzzy_pid_step import N_FUZZY_OUTPUT
 from controllers.papers.ahn2009.tuned_fuzzy_pid import TunedFuzzyPID
 from tests.controllers.compiled import run
 
