@@ -7,16 +7,17 @@ by itself, and has no list of its own.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Protocol
 
 from harness.errors import FmuError, UsageError, nearest
+from harness.siblings import HOME, import_sibling, is_sibling
 
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
@@ -92,7 +93,7 @@ def experiments() -> dict[str, Path]:
     """All experiment files by name, such as "ahn2009/figure_7"."""
     found = {}
     for entry in _entries(EXPERIMENTS).values():
-        root = Path(str(files(entry.value)))
+        root = HOME / entry.value if is_sibling(entry.value) else Path(str(files(entry.value)))
         for path in sorted(set(root.glob("*/*.toml")) - set(root.glob("*/claims.toml"))):
             found[f"{path.parent.name}/{path.stem}"] = path
     return found
@@ -124,11 +125,14 @@ def check_name(group: str, name: str, what: str) -> None:
 def _load(group: str, name: str, what: str) -> Any:
     check_name(group, name, what)
     known = _entries(group)
+    if name in known:
+        entry = known[name]
+        own = is_sibling(entry.module)
+        return getattr(import_sibling(entry.module), entry.attr) if own else entry.load()
     module, _, attribute = name.partition(":")
     try:
-        if name in known:
-            return known[name].load()
-        return getattr(importlib.import_module(module), attribute)
+        own = "." in module and is_sibling(module)
+        return getattr(import_sibling(module) if own else import_module(module), attribute)
     except (ImportError, AttributeError) as fault:
         raise UsageError(f"{what} {name!r} cannot be imported: {fault}") from fault
 

@@ -151,14 +151,15 @@ def _plant_fingerprint(plant: Plant) -> str | None:
     equations = plant.equations
     if not (inspect.isfunction(equations) and _is_plain(equations)):
         return None
-    package = sys.modules.get(equations.__module__.partition(".")[0])
-    roots = [Path(path) for path in getattr(package, "__path__", [])]
-    if not roots:
+    package, dot, _ = equations.__module__.partition(".")
+    above = Path(inspect.getfile(equations)).resolve().parents
+    root = next((folder for folder in above if folder.name == package), None)
+    if root is None or not dot:
         return None
     data = [repr(getattr(plant, f.name)) for f in fields(plant) if f.name != "equations"]
     parts = [equations.__module__, equations.__qualname__, *data]
     parts += [version("casadi"), version("pythonfmu"), sys.version, _own_sources()]
-    parts += [_source_hash(root) for root in roots]
+    parts += [_source_hash(root)]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 

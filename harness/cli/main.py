@@ -84,3 +84,7 @@ def run_command_line(arguments: list[str] | None = None) -> int:
         out.print(f"error: {fault}", markup=False, soft_wrap=True)
         return 1
     return 0
+
+
+if __name__ == "__main__":
+    main()

@@ -52,14 +52,14 @@ class FmuParticipant(Participant):
     @staticmethod
     def of(component: FmuComponent, fmu: Fmu, around: Around) -> FmuParticipant:
         """The participant for a component, instantiated; raises `HarnessError`."""
-        return _KINDS[interface_of(component, fmu.description)](component, fmu, around)
+        return _KINDS[interface_of(component.policy, fmu.description)](component, fmu, around)
 
     def __init__(self, component: FmuComponent, fmu: Fmu, around: Around) -> None:
         """Instantiate; raises `FmuError`."""
         super().__init__(component.name)
         self.component, self.fmu, self.around = component, fmu, around
         self.description = fmu.description
-        self.capabilities = capabilities_of(component, fmu.description)
+        self.capabilities = capabilities_of(component.policy, fmu.description)
         self.tolerance = tolerance_of(component.policy, fmu.description)
         self._place = np.zeros(1, dtype=np.int64)
         self.instance = self.instantiate()

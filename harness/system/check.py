@@ -120,7 +120,7 @@ def _convergence_faults(convergence: Convergence) -> Iterator[str]:
 
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     try:
-        interface_of(component, d)
+        interface_of(component.policy, d)
     except HarnessError as fault:
         yield f"component {component.name}: {fault}"
     tolerance = component.policy.tolerance

@@ -24,7 +24,6 @@ is not asked for: no callback is given, and nothing that the standard grants dep
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from harness.errors import UsageError
 from harness.fmi.binding.interface import (
@@ -35,9 +34,6 @@ from harness.fmi.binding.interface import (
     capabilities,
 )
 from harness.fmi.description.model_description import Capabilities, ModelDescription
-
-if TYPE_CHECKING:
-    from harness.system.graph import FmuComponent
 
 SOLVER_TOLERANCE = 1e-6
 SOLVERS = ("cvode", "euler", "rk4", "dopri5")
@@ -85,14 +81,14 @@ def interface(name: str | None, d: ModelDescription) -> InterfaceType:
     return kind
 
 
-def interface_of(component: FmuComponent, d: ModelDescription) -> InterfaceType:
-    """The kind of interface with which a component runs its FMU."""
-    return interface(component.policy.interface_type, d)
+def interface_of(policy: Policy, d: ModelDescription) -> InterfaceType:
+    """The kind of interface with which an FMU is run."""
+    return interface(policy.interface_type, d)
 
 
-def capabilities_of(component: FmuComponent, d: ModelDescription) -> Capabilities:
-    """What an FMU can do in the kind of interface with which its component runs it."""
-    return capabilities(d, interface_of(component, d))
+def capabilities_of(policy: Policy, d: ModelDescription) -> Capabilities:
+    """What an FMU can do in the kind of interface with which it is run."""
+    return capabilities(d, interface_of(policy, d))
 
 
 def tolerance_of(policy: Policy, d: ModelDescription) -> float | None:

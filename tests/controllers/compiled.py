@@ -11,7 +11,7 @@ import numpy as np
 from numba import carray
 from numba import types as nb
 
-from controllers.block import Array, Block
+from controllers.core.block import Array, Block
 
 _REBUILT: dict[Any, Any] = {}  # njit twins of the plain functions, shared by all blocks
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from controllers.block import Block
-from controllers.fuzzy_pid import FuzzyPID
-from controllers.pid import PID
-from controllers.tuned_fuzzy_pid import TunedFuzzyPID
+from controllers.core.block import Block
+from controllers.papers.ahn2009.fuzzy_pid import FuzzyPID
+from controllers.papers.ahn2009.tuned_fuzzy_pid import TunedFuzzyPID
+from controllers.pid.pid import PID
 from tests.controllers.compiled import assert_bit_equal
 
 FUZZY = {

@@ -17,7 +17,7 @@ import numpy as np
 from fmpy import read_model_description
 from numpy.typing import NDArray
 
-from controllers.block import Block
+from controllers.core.block import Block
 from fmus.packaging.compiler import PLATFORMS, cross_compiler
 from harness.export.controller import controller_fmu
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from harness.simulation.start_values import set_start_values
 
 from harness import Bench, Fmu, simulate
 from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
 from harness.simulation.input_data import read_inputs
-from harness.simulation.start_values import set_start_values
 from tests.every_way.cases import Case
 from tests.every_way.plain_driver import SECOND, Job, Steps, drive
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
-from controllers.two_mass_controller import TwoMassController
+from controllers.papers.serkies2013.two_mass_controller import TwoMassController
 from fmus.two_mass_drive.model import plant
 from harness.bench import Bench
 

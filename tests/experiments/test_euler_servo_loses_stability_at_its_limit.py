@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from controllers.servo_estimator import ServoEstimator
+from controllers.papers.raheem2013.servo_estimator import ServoEstimator
 from fmus.electro_hydraulic_servo.model import plant
 from fmus.linearization import linearize
 from tests.controllers.compiled import run

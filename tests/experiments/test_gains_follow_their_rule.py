@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from controllers.design import simc_integrating
+from controllers.pid.design import simc_integrating
 from fmus.hybrid_actuator.model import plant
 from harness.experiment.experiment import Experiment
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.identification import ridge_least_squares
-from controllers.identifier import Identifier
-from controllers.narx import fit
+from controllers.identification.identifier import Identifier
+from controllers.identification.narx import fit
+from controllers.identification.offline import ridge_least_squares
 from harness.experiment.experiment import Experiment
 from harness.results.result import Result
 

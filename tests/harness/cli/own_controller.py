@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.block import Array, Block, Signal
+from controllers.core.block import Array, Block, Signal
 
 
 def proportional_step(p: Array, x: Array, u: Array, y: Array) -> None:

@@ -91,7 +91,9 @@ start_values = { angle_deviation = 0.1, speed = 0.5 }
 
 [components.controller]
 controller = "lq_regulator"
-parameters = { model = "controllers.machine_model:MachineParameters", Q = [1.0, 1.0], R = [1.0] }
+parameters.model = "controllers.papers.takata.machine_model:MachineParameters"
+parameters.Q = [1.0, 1.0]
+parameters.R = [1.0]
 
 [connections]
 "controller.angle_deviation" = "plant.angle_deviation"

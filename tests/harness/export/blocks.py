@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.block import Array, Block, Signal
-from controllers.pid import PID
+from controllers.core.block import Array, Block, Signal
+from controllers.pid.pid import PID
 from harness import registry
 from harness.compiler.step import compile_step
 from harness.experiment.experiment import Experiment

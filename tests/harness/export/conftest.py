@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from controllers.block import Block
+from controllers.core.block import Block
 from harness.export.controller import controller_fmu
 from tests.fmus.packaging.instances import Instance, load
 

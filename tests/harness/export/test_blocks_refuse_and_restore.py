@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from controllers.block import Array, Block, Signal
+from controllers.core.block import Array, Block, Signal
 from tests.fmus.packaging.instances import Instance
 from tests.harness.export.blocks import InProcess, counter, pid
 from tests.harness.export.conftest import NewInstance

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controllers.pid import PID
+from controllers.pid.pid import PID
 from harness.bench import Bench
 from harness.export.controller import controller_fmu
 from harness.results.result import Result

@@ -9,7 +9,7 @@ from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from controllers.block import Block, Signal
+from controllers.core.block import Block, Signal
 from harness.errors import FmuError
 from harness.export.controller import controller_fmu, identifier
 from tests.harness.export.blocks import counter, counter_step, pid

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from controllers.block import Array, Block, Signal, StepFunction
+from controllers.core.block import Array, Block, Signal, StepFunction
 from harness.compiler.native import native_key, native_step
 from harness.compiler.step import CompileError
 

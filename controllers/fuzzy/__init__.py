@@ -1,0 +1,1 @@
+"""Fuzzy systems as data: memberships, inference, exact derivatives, Takagi–Sugeno models."""

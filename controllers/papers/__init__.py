@@ -1,0 +1,1 @@
+"""What one paper alone uses, a package for each; the families beside this one hold the rest."""

@@ -1,0 +1,1 @@
+"""Barragán et al., identification of Takagi–Sugeno models: its benchmark plant."""

@@ -1,0 +1,1 @@
+"""Serkies & Szabat 2013: a two-mass drive whose load inertia changes."""

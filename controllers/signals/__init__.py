@@ -1,0 +1,1 @@
+"""Blocks of a line or two: gain, difference, speed from an encoder."""

@@ -1,0 +1,1 @@
+"""Linear-quadratic design, pole placement, and the state controllers that follow from them."""
