@@ -55,7 +55,7 @@ def test_the_command_lets_pass_what_it_is_told_to(
     arguments = ["simulate", str(path), "--stop-time", "0.1", "--step-size", "0.01"]
     assert run_command_line(arguments) == 1
     refusal = capsys.readouterr().err
-    assert "'T', which has no start value" in refusal and "--no-validate" in refusal
+    assert "'T' that has no start value" in refusal and "--no-validate" in refusal
     assert run_command_line([*arguments, "--no-validate"]) == 0
     told = capsys.readouterr().err
     assert "note: modelDescription.xml of" in told and "has no start value" in told

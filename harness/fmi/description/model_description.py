@@ -190,6 +190,7 @@ class ModelDescription:
     number_of_continuous_states: int = 0
     display_units: Mapping[str, Mapping[str, DisplayUnit]] = field(default_factory=dict)
     event_indicators: tuple[str, ...] = ()
+    structured_names: bool = False
     unknowns: tuple[Unknown, ...] = ()
     terminals: tuple[Terminal, ...] = ()
     layered_standards: tuple[LayeredStandard, ...] = ()

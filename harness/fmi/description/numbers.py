@@ -24,4 +24,4 @@ def whole(text: Any) -> int | None:
 
 def true(text: Any) -> bool:
     """Whether a Boolean attribute is set."""
-    return str(text).strip() in ("true", "1")
+    return text is not None and text.strip() in ("true", "1")

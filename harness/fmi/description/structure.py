@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from harness.fmi.description.entries import Entry
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Unknown, Variable
 from harness.fmi.description.numbers import whole
@@ -18,9 +19,9 @@ _KINDS = {
 
 
 def read_unknowns(
-    root: Any, major: int, numbered: Mapping[int, str], faults: list[Fault]
+    root: Any, major: int, numbered: Mapping[int, Entry], faults: list[Fault]
 ) -> Iterator[Unknown]:
-    """All unknowns in the order of the document. `numbered` names variables by their position
+    """All unknowns in the order of the document. `numbered` are the variables by position
     (FMI 2) or value reference (FMI 3); references that lead nowhere become `faults`."""
     attribute = "index" if major == 2 else "valueReference"
     for kind, element in _elements(root, major):
@@ -34,7 +35,7 @@ def read_unknowns(
                     wrong = f"refers to value reference {what} in its ModelStructure, which no "
                     wrong += "variable has"
                 faults.append(Fault(Harm.AMBIGUOUS, wrong, line))
-            return found
+            return None if found is None else found.name
 
         variable = named(element.get(attribute))
         given, kinds = element.get("dependencies"), element.get("dependenciesKind")
