@@ -15,7 +15,7 @@ from harness.fmi.description.capabilities import capabilities, experiment, judge
 from harness.fmi.description.definitions import read_types, read_units
 from harness.fmi.description.document import model_description_root, schema_faults
 from harness.fmi.description.faults import Fault, Harm, notes
-from harness.fmi.description.model_description import ModelDescription, Variable
+from harness.fmi.description.model_description import MAX_ELEMENTS, ModelDescription, Variable
 from harness.fmi.description.numbers import whole
 from harness.fmi.description.structure import (
     circle_faults,
@@ -23,7 +23,7 @@ from harness.fmi.description.structure import (
     feedthrough,
     read_unknowns,
 )
-from harness.fmi.description.variables import MAX_ELEMENTS, VariableReader
+from harness.fmi.description.variables import VariableReader
 
 
 def read_model_description(

@@ -13,7 +13,13 @@ from typing import Any
 
 from harness.fmi.description.entries import TYPES, Entry, Judge, bases, spaced
 from harness.fmi.description.faults import Fault, Harm, quoted
-from harness.fmi.description.model_description import REAL_TYPES, Details, DisplayUnit, Variable
+from harness.fmi.description.model_description import (
+    MAX_ELEMENTS,
+    REAL_TYPES,
+    Details,
+    DisplayUnit,
+    Variable,
+)
 from harness.fmi.description.numbers import true, whole
 from harness.fmi.description.rules import rule
 from harness.fmi.description.values import (
@@ -24,9 +30,6 @@ from harness.fmi.description.values import (
     start_value,
 )
 from harness.fmi.wording import has_control_characters, shorten
-
-MAX_ELEMENTS = 2**24
-"""Elements of all variables of an FMU together."""
 
 _EXACT, _CALCULATED = ("exact",), ("calculated", "approx")
 _ANY = ("calculated", "exact", "approx")
