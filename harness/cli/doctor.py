@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from harness.cli.limits import interruptible
+from harness.cli.limits import Validate, interruptible
 from harness.cli.progress import bar
 from harness.cli.terminal import console
 from harness.errors import HarnessError, UsageError
@@ -25,6 +25,7 @@ def doctor_command(
     fmu: Annotated[Path, typer.Argument(help="An .fmu file")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON")] = False,
     deadline: Annotated[float, typer.Option(help="Seconds that one check may take")] = 60.0,
+    validate: Validate = True,
 ) -> None:
     """Examine the behaviour of an FMU in a disposable process; exit code 1 when a check fails."""
     from harness.inspection.doctor import examine
@@ -32,7 +33,7 @@ def doctor_command(
     if not deadline > 0:
         raise UsageError(f"--deadline {deadline:g} must be positive")
     if as_json:
-        found = examine(fmu, deadline=deadline)
+        found = examine(fmu, deadline=deadline, validate=validate)
         typer.echo(json.dumps(found.as_data(), indent=2, ensure_ascii=False))
     else:
         with interruptible(), bar() as shown:
@@ -40,6 +41,7 @@ def doctor_command(
             found = examine(
                 fmu,
                 deadline=deadline,
+                validate=validate,
                 progress=lambda name, k, n: shown.update(
                     task, description=name, completed=k, total=n
                 ),

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.cells import cell_len
 from rich.markup import escape
 from rich.table import Table
 
+from harness.cli.limits import Validate
+from harness.cli.notices import notices
 from harness.cli.terminal import console
-from harness.fmi.description.model_description import Capabilities, ModelDescription, Variable
+from harness.fmi.description.model_description import (
+    Capabilities,
+    ModelDescription,
+    Terminal,
+    Variable,
+)
 from harness.fmi.fmu import Fmu
 
 _LIBRARIES = {".so", ".dll", ".dylib"}
@@ -21,20 +31,35 @@ _LIBRARIES = {".so", ".dll", ".dylib"}
 def info_command(
     fmu: Annotated[Path, typer.Argument(help="An .fmu file")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON")] = False,
+    validate: Validate = True,
 ) -> None:
     """Show identity, capabilities and variables of an FMU."""
-    with Fmu(fmu) as opened:
+    with notices(), Fmu(fmu, validate=validate) as opened:
         description, sha256 = opened.description, opened.sha256
         platforms = _platforms(opened.folder)
+        for note in opened.notes:
+            warnings.warn(note, stacklevel=1)
     if as_json:
-        data = _as_data(description, sha256, platforms)
-        typer.echo(json.dumps(data, indent=2, ensure_ascii=False))
+        data = {f.name: getattr(description, f.name) for f in dataclasses.fields(description)}
+        data["variables"] = list(description.variables.values())
+        origin = {"sha256": sha256, "platforms": platforms, "notes": opened.notes}
+        typer.echo(_as_json(origin | data))
         return
-    out = console()
-    out.print(_identity(description, sha256, platforms))
-    if any(v.type == "Clock" for v in description.variables.values()):
-        out.print(_clocks(description))
-    out.print(_variables(description))
+    console().print(_identity(description, sha256, platforms))
+    for rows in (_clocks(description), _terminals(description), _variables(description)):
+        _show(rows)
+
+
+def _show(rows: Sequence[Sequence[str]]) -> None:
+    """Print rows below their titles, if there are any, in columns that begin together."""
+    if len(rows) < 2:
+        return
+    widths = [max(map(cell_len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (
+            text + " " * (width - cell_len(text)) for text, width in zip(row, widths, strict=True)
+        )
+        typer.echo("  ".join(" ".join(cell.splitlines()) for cell in cells).rstrip())
 
 
 def _platforms(folder: Path) -> tuple[str, ...]:
@@ -44,19 +69,13 @@ def _platforms(folder: Path) -> tuple[str, ...]:
     return (*names, *(["source code"] if (folder / "sources").is_dir() else []))
 
 
-def _as_data(d: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> dict[str, Any]:
-    plain = {f.name: getattr(d, f.name) for f in dataclasses.fields(d)}
-    plain["co_simulation"] = d.co_simulation and dataclasses.asdict(d.co_simulation)
-    plain["model_exchange"] = d.model_exchange and dataclasses.asdict(d.model_exchange)
-    plain["variables"] = [dataclasses.asdict(v) for v in d.variables.values()]
-    plain["units"] = {name: dataclasses.asdict(unit) for name, unit in d.units.items()}
-    plain["feedthrough"] = dict(d.feedthrough)
-    plain["display_units"] = {
-        unit: {name: dataclasses.asdict(one) for name, one in shown.items()}
-        for unit, shown in d.display_units.items()
-    }
-    plain["initial_feedthrough"] = dict(d.initial_feedthrough)
-    return {"sha256": sha256, "platforms": platforms, **plain}
+def _as_json(data: dict[str, Any]) -> str:
+    """A line for each key, since an indented document of thousands of variables takes seconds."""
+    lines = (
+        f"{json.dumps(key)}: {json.dumps(value, default=vars, ensure_ascii=False)}"
+        for key, value in data.items()
+    )
+    return "{" + ",\n".join(lines) + "}"
 
 
 def _identity(d: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> Table:
@@ -69,12 +88,16 @@ def _identity(d: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> T
     table.add_row("token", d.token)
     table.add_row("sha256", sha256)
     table.add_row("platforms", ", ".join(platforms) or "none")
-    kinds = {"co-simulation": d.co_simulation, "model exchange": d.model_exchange}
+    kinds = {
+        "co-simulation": d.co_simulation, "model exchange": d.model_exchange,
+        "scheduled execution": d.scheduled_execution,
+    }  # fmt: skip
     for kind, capabilities in kinds.items():
         stepping = kind == "co-simulation"
         table.add_row(kind, "no" if capabilities is None else _capabilities(capabilities, stepping))
-    if d.scheduled_execution:
-        table.add_row("scheduled execution", "yes; it is not run here")
+    for one in d.layered_standards:
+        told = f"{one.name} {one.version}" + f" ({one.description})" * bool(one.description)
+        table.add_row("layered standard", escape(told))
     defaults = {"start": d.start_time, "stop": d.stop_time, "step": d.step_size}
     shown = ", ".join(f"{k} {v:g} s" for k, v in defaults.items() if v is not None)
     table.add_row("default experiment", shown or "none")
@@ -100,6 +123,7 @@ def _capabilities(c: Capabilities, stepping: bool) -> str:
         "variable step": stepping and c.can_handle_variable_step,
         "event mode": c.has_event_mode,
         "early return": c.might_return_early,
+        "intermediate update": c.provides_intermediate_update,
         "interpolates inputs": c.can_interpolate_inputs,
         "one instance a process": c.can_be_instantiated_only_once,
         "needs its tool installed": c.needs_execution_tool,
@@ -108,25 +132,36 @@ def _capabilities(c: Capabilities, stepping: bool) -> str:
     return ", ".join(name for name, flag in flags.items() if flag) or "yes"
 
 
-def _clocks(d: ModelDescription) -> Table:
-    table = Table(box=None, padding=(0, 1))
-    for title in ("clock", "causality", "kind", "interval", "shift", "variables"):
-        table.add_column(title)
+def _clocks(d: ModelDescription) -> list[tuple[str, ...]]:
+    owned: dict[str, list[str]] = {}
+    for v in d.variables.values():
+        for clock in v.details.clocks:
+            owned.setdefault(clock, []).append(v.name)
+    rows: list[tuple[str, ...]] = [("clock", "causality", "kind", "interval", "shift", "variables")]
     for v in d.variables.values():
         if v.type == "Clock":
-            kind, owned = v.details.interval_variability or "", _owned(d, v.name)
+            kind = v.details.interval_variability or ""
             ticks = kind not in ("", "triggered")
-            times = (
-                _duration(v.details.interval) if ticks else "",
-                _duration(v.details.shift) if ticks else "",
-            )
-            table.add_row(*map(escape, (v.name, v.causality, kind, *times, owned)))
-    return table
+            interval, shift = map(_duration, (v.details.interval, v.details.shift))
+            times = (interval, shift) if ticks else ("", "")
+            rows.append((v.name, v.causality, kind, *times, ", ".join(owned.get(v.name, ()))))
+    return rows
 
 
-def _owned(d: ModelDescription, clock: str) -> str:
-    """The variables that this clock drives."""
-    return ", ".join(v.name for v in d.variables.values() if clock in v.details.clocks)
+def _terminals(d: ModelDescription) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [("terminal", "kind", "matching", "members", "description")]
+    for terminal in d.terminals:
+        rows += _terminal(terminal, "")
+    return rows
+
+
+def _terminal(t: Terminal, place: str) -> Iterator[tuple[str, ...]]:
+    members = ", ".join(
+        m.name if m.name == m.variable else f"{m.name} = {m.variable}" for m in t.members
+    )
+    yield place + t.name, t.kind, t.matching_rule, members, t.description
+    for inner in t.terminals:
+        yield from _terminal(inner, f"{place}{t.name}.")
 
 
 def _duration(value: tuple[int, int] | float | None) -> str:
@@ -135,17 +170,13 @@ def _duration(value: tuple[int, int] | float | None) -> str:
     return f"{value[0]}/{value[1]} s" if isinstance(value, tuple) else f"{value:g} s"
 
 
-def _variables(d: ModelDescription) -> Table:
-    table = Table(box=None, padding=(0, 1))
-    for title, justify in (
-        ("variable", "left"), ("type", "left"), ("causality", "left"), ("variability", "left"),
-        ("start", "right"), ("range", "left"), ("unit", "left"), ("description", "left"),
-    ):  # fmt: skip
-        table.add_column(title, justify=justify)  # type: ignore[arg-type]
+def _variables(d: ModelDescription) -> list[tuple[str, ...]]:
+    titles = (
+        "variable", "type", "causality", "variability", "start", "range", "unit", "description",
+    )  # fmt: skip
     rank = {"input": 0, "output": 1, "parameter": 2, "structuralParameter": 2}
-    for v in sorted(d.variables.values(), key=lambda v: rank.get(v.causality, 3)):
-        table.add_row(*map(escape, _row(v)))
-    return table
+    variables = sorted(d.variables.values(), key=lambda v: rank.get(v.causality, 3))
+    return [titles, *map(_row, variables)]
 
 
 def _row(v: Variable) -> tuple[str, ...]:

@@ -21,6 +21,9 @@ MemoryLimit = Annotated[str | None, typer.Option(help="Memory that a run may hol
 Isolate = Annotated[
     bool, typer.Option(help="Let FMUs write no file but their own and open no connection")
 ]
+Validate = Annotated[
+    bool, typer.Option(help="Refuse an FMU whose description leaves open what it means")
+]
 
 
 def limits_of(call: float | None, run: float | None, memory: str | None, isolate: bool) -> Limits:

@@ -21,7 +21,8 @@ def validate_command(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON")] = False,
 ) -> None:
     """Check an FMU without running it; exit code 1 when it has errors."""
-    from harness.inspection.static import Severity, validate
+    from harness.inspection.problem import Severity
+    from harness.inspection.static import validate
 
     problems = validate(fmu)
     if as_json:
@@ -29,11 +30,11 @@ def validate_command(
         typer.echo(json.dumps(data, indent=2, ensure_ascii=False))
     elif problems:
         table = Table(box=None, padding=(0, 2))
-        for title in ("severity", "where", "what"):
+        for title in ("severity", "where", "what", "by"):
             table.add_column(title)
         for p in problems:
             severity = Text(str(p.severity), style=_STYLES[str(p.severity)])
-            table.add_row(severity, Text(p.place), Text(p.text))
+            table.add_row(severity, Text(p.place), Text(p.text), Text(p.rule))
         console().print(table)
     else:
         console().print(f"{fmu}: no problems found", markup=False, soft_wrap=True)

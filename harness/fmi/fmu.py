@@ -14,15 +14,15 @@ from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import CO_SIMULATION, FmuInstance, InterfaceType
 from harness.fmi.binding.library import unload_below
 from harness.fmi.binding.logger import LogMessage
-from harness.fmi.description.document import Faults
-from harness.fmi.description.model_description import read_model_description
+from harness.fmi.description.faults import notes
+from harness.fmi.description.reader import read_model_description
 
 _KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi3Instance}
 
 
 class Fmu:
-    """An unpacked FMU: `description` is what it says of itself, `sha256` its hash, `notes` the
-    faults of the description that were let pass.
+    """An unpacked FMU: `description` is what it says of itself, `sha256` its hash, `faults` are
+    those of the description that were let pass, and `notes` sentences about them.
 
     Use as a context manager, or call `close`, to remove the unpacked files.
     """
@@ -31,17 +31,21 @@ class Fmu:
         """Unpack and read; raises `FmuError`. Without `validate`, faults of the description that
         do not keep it from being read are let pass."""
         self.path = Path(path)
-        self.notes: tuple[str, ...] = ()
         self._archive = Archive(self.path)
         self.sha256 = self._archive.sha256
         self.folder = self._archive.folder
         try:
-            faults = None if validate else Faults()
-            self.description = read_model_description(self.folder, self.path, faults)
-            self.notes = tuple(faults or ())
+            self.description, self.faults = read_model_description(
+                self.folder, self.path, validate=validate
+            )
         except BaseException:
             self.close()
             raise
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is wrong with the description and was let pass, in a sentence or two."""
+        return notes(self.faults, self.path, validate=False)
 
     def instantiate(
         self,

@@ -18,8 +18,8 @@ from harness.fmi.description.model_description import (
     REAL_TYPES,
     ModelDescription,
     Variable,
+    outside,
 )
-from harness.fmi.description.value_checks import outside
 from harness.fmi.wording import shorten
 from harness.system.units import conversion, parse_unit
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+
 
 def shorten(text: str, limit: int = 80) -> str:
     """`text` on one line, without what would command a terminal, cut to `limit` characters."""
     flat = re.sub(r"\s*[\r\n\t]\s*", " ", text[: 4 * limit])
-    flat = "".join(c if c.isprintable() else " " for c in flat).strip()
+    if not flat.isprintable():
+        flat = "".join(c if c.isprintable() else " " for c in flat)
+    flat = flat.strip()
     return flat if len(flat) <= limit else flat[:limit] + "…"
 
 
@@ -19,4 +23,4 @@ def quoted(text: str, limit: int = 120) -> str:
 
 def has_control_characters(text: str) -> bool:
     """Whether `text` would break a line or command a terminal."""
-    return any(ord(character) < 32 or 127 <= ord(character) < 160 for character in text)
+    return _CONTROL.search(text) is not None

@@ -58,14 +58,19 @@ class Diagnosis:
 
 
 def examine(
-    path: Path, *, deadline: float = DEADLINE, progress: Progress | None = None
+    path: Path,
+    *,
+    deadline: float = DEADLINE,
+    progress: Progress | None = None,
+    validate: bool = True,
 ) -> Diagnosis:
     """Examine the FMU at `path`, each kind of interface that it offers.
 
-    `deadline` (s) bounds each check. Raises `FmuError` when the FMU cannot even be read, or offers
-    neither co-simulation nor model exchange.
+    `deadline` (s) bounds each check; without `validate`, faults of the description that do not
+    keep it from being read are let pass. Raises `FmuError` when the FMU cannot even be read, or
+    offers neither co-simulation nor model exchange.
     """
-    with Fmu(path) as fmu:
+    with Fmu(path, validate=validate) as fmu:
         sha256, description = fmu.sha256, fmu.description
     offered = {CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange}
     kinds = [kind for kind, one in offered.items() if one is not None]

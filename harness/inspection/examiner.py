@@ -24,8 +24,8 @@ from harness.simulation.settings import interface
 
 
 def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: list[str]) -> None:
-    """Run the checks called `names`, in order."""
-    with Fmu(path) as fmu, out.open("a", encoding="utf-8", buffering=1) as lines:
+    """Run the checks called `names`, in order; who asks for them has judged the description."""
+    with Fmu(path, validate=False) as fmu, out.open("a", encoding="utf-8", buffering=1) as lines:
         subject = Subject(fmu, interface(interface_type, fmu.description), scratch)
         known = CHECKS[interface_type] | ELSEWHERE
         for name in names:

@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 from harness.errors import FmuError
 from harness.fmi.binding.library import library_path, platform_tuple
+from harness.fmi.description.document import BUILD_DESCRIPTION, parse, schema_faults
+from harness.fmi.description.faults import Harm
 from harness.fmi.description.model_description import (
     NUMERIC_TYPES,
     REAL_TYPES,
@@ -25,33 +24,14 @@ from harness.fmi.description.model_description import (
     ModelDescription,
 )
 from harness.fmi.fmu import Fmu
+from harness.inspection.problem import PLACE, Problem, Severity, listed
+from harness.inspection.structure import structure_problems
 from harness.system.units import Unit
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _LIBRARIES = {".so", ".dll", ".dylib"}
-_SHOWN = 5
+_BUILD_SCHEMA = "fmi3/fmi3BuildDescription.xsd"
 _TRUTH = {"true": "1", "false": "0"}
-
-
-class Severity(StrEnum):
-    """How much a problem matters."""
-
-    ERROR = "error"
-    WARNING = "warning"
-    NOTE = "note"
-
-
-@dataclass(frozen=True)
-class Problem:
-    """One problem: where it is and what it is."""
-
-    severity: Severity
-    place: str
-    text: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self) | {"severity": str(self.severity)}
 
 
 def validate(path: str | Path) -> tuple[Problem, ...]:
@@ -72,27 +52,28 @@ def _problems(path: Path) -> Iterator[Problem]:
             yield from _claims(fmu.description)
             yield from _variables(fmu.description)
             yield from _structure(fmu.description)
+            yield from structure_problems(fmu.description)
             yield from _files(fmu)
     except FmuError as fault:
         yield Problem(Severity.ERROR, "archive", str(fault))
 
 
 def _document(fmu: Fmu) -> Iterator[Problem]:
-    """What FMPy's validation finds (schema, names, required start values, model structure), and
-    what our own reading does."""
-    from fmpy.validation import validate_fmu
-
-    place = "modelDescription.xml"
-    found = [" ".join(str(text).split()) for text in validate_fmu(str(fmu.folder))]
-    for text in found:
-        yield Problem(Severity.ERROR, place, text)
-    for note in fmu.notes:
-        if not any(text in note for text in found):
-            yield Problem(Severity.ERROR, place, note.removeprefix(f"{place} of {fmu.path} "))
+    """What was let pass when the description was read, and what `sources` breaks."""
+    for fault in fmu.faults:
+        severity = Severity.WARNING if fault.harm is Harm.NONE else Severity.ERROR
+        yield Problem(severity, PLACE, str(fault), fault.rule)
+    build = fmu.folder / BUILD_DESCRIPTION
+    if build.is_file():
+        for fault in schema_faults(parse(build, BUILD_DESCRIPTION), _BUILD_SCHEMA):
+            yield Problem(Severity.WARNING, BUILD_DESCRIPTION, str(fault), fault.rule)
 
 
 def _kinds(d: ModelDescription) -> dict[str, Capabilities]:
-    kinds = {"co-simulation": d.co_simulation, "model exchange": d.model_exchange}
+    kinds = {
+        "co-simulation": d.co_simulation, "model exchange": d.model_exchange,
+        "scheduled execution": d.scheduled_execution,
+    }  # fmt: skip
     return {name: kind for name, kind in kinds.items() if kind is not None}
 
 
@@ -104,7 +85,7 @@ def _platforms(fmu: Fmu) -> Iterator[Problem]:
         identifier = capabilities.model_identifier
         if not _IDENTIFIER.fullmatch(identifier):
             text = f"model identifier {identifier!r} of {kind} is no C identifier"
-            yield Problem(Severity.ERROR, "modelDescription.xml", text)
+            yield Problem(Severity.ERROR, PLACE, text)
         if not there:
             word = "it has sources only" if sources else "it has neither binaries nor sources"
             severity = Severity.WARNING if sources else Severity.ERROR
@@ -120,13 +101,13 @@ def _platforms(fmu: Fmu) -> Iterator[Problem]:
 
 
 def _claims(d: ModelDescription) -> Iterator[Problem]:
-    place = "modelDescription.xml"
+    place = PLACE
     for kind, c in _kinds(d).items():
         if c.can_serialize_fmu_state and not c.can_get_and_set_fmu_state:
             text = f"{kind} claims to serialise a state that it can neither get nor set"
             yield Problem(Severity.ERROR, place, text)
     if not _kinds(d):
-        yield Problem(Severity.ERROR, place, "offers neither co-simulation nor model exchange")
+        yield Problem(Severity.ERROR, place, "offers no kind of interface")
     if d.step_size is None and not (d.co_simulation and d.co_simulation.fixed_internal_step_size):
         text = "suggests no step size; importers will choose one"
         yield Problem(Severity.NOTE, place, text)
@@ -140,13 +121,8 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
     unitless, undescribed, baseless = [], [], set()
     for v in d.variables.values():
         place = f"variable {v.name}"
-        low, high = v.minimum, v.maximum
-        if low is not None and high is not None and low > high:
-            yield Problem(
-                Severity.ERROR, place, f"its minimum {low:g} is above its maximum {high:g}"
-            )
-        elif v.start is not None and v.type in NUMERIC_TYPES:
-            yield from _start(place, v.start, low, high)
+        if v.start is not None and v.type in NUMERIC_TYPES:
+            yield from _start(place, v.start, v.minimum, v.maximum)
         if v.causality in ("input", "output", "parameter"):
             if v.type in REAL_TYPES and v.unit is None:
                 unitless.append(v.name)
@@ -159,10 +135,10 @@ def _variables(d: ModelDescription) -> Iterator[Problem]:
         (undescribed, Severity.NOTE, "no description"),
     ):
         if names:
-            yield Problem(severity, f"variables {_listed(names)}", text)
+            yield Problem(severity, f"variables {listed(names)}", text)
     if baseless:
         text = "not expressed in base units, so they cannot be converted"
-        yield Problem(Severity.WARNING, f"units {_listed(sorted(baseless))}", text)
+        yield Problem(Severity.WARNING, f"units {listed(sorted(baseless))}", text)
 
 
 _NO_UNIT = Unit("")
@@ -170,11 +146,7 @@ _NO_UNIT = Unit("")
 
 def _start(place: str, start: str, low: float | None, high: float | None) -> Iterator[Problem]:
     for item in start.split():
-        try:
-            value = float(_TRUTH.get(item, item))
-        except ValueError:
-            yield Problem(Severity.ERROR, place, f"its start value {item!r} is no number")
-            return
+        value = float(_TRUTH.get(item, item))
         outside = (low is not None and value < low) or (high is not None and value > high)
         if outside:
             bounds = (float("-inf") if low is None else low, float("inf") if high is None else high)
@@ -189,21 +161,16 @@ def _structure(d: ModelDescription) -> Iterator[Problem]:
     silent = [name for name, inputs in d.feedthrough.items() if inputs is None]
     if silent and d.inputs:
         text = "no statement on which inputs they depend, so importers must assume all of them"
-        yield Problem(Severity.WARNING, f"outputs {_listed(silent)}", text)
+        yield Problem(Severity.WARNING, f"outputs {listed(silent)}", text)
     for kind, c in _kinds(d).items():
         if not c.can_get_and_set_fmu_state:
             text = f"no snapshots in {kind}: no rollback, no iterative coupling, no resume"
-            yield Problem(Severity.NOTE, "modelDescription.xml", text)
+            yield Problem(Severity.NOTE, PLACE, text)
         if c.can_be_instantiated_only_once:
             text = f"{kind}: one instance a process"
-            yield Problem(Severity.WARNING, "modelDescription.xml", text)
+            yield Problem(Severity.WARNING, PLACE, text)
 
 
 def _files(fmu: Fmu) -> Iterator[Problem]:
     if not (fmu.folder / "documentation").is_dir():
         yield Problem(Severity.NOTE, "archive", "has no documentation")
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    return ", ".join(names[:_SHOWN]) + more

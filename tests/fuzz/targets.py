@@ -10,7 +10,7 @@ from harness.cli.values import settings
 from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment
 from harness.fmi.archive.unpack import Archive
-from harness.fmi.description.model_description import read_model_description
+from harness.fmi.description.reader import read_model_description
 from harness.instruments.csv_signal import CsvSignal, read_csv_table
 from tests.fuzz.packages import package, parameter_mapping, parameter_set, system_structure
 from tests.fuzz.place import CORPUS, written
@@ -19,7 +19,7 @@ from tests.fuzz.place import CORPUS, written
 def description(content: bytes) -> None:
     """modelDescription.xml, and all that is asked of it before a run."""
     document = written("modelDescription.xml", content)
-    described = read_model_description(document.parent, Path("fuzzed.fmu"))
+    described, _ = read_model_description(document.parent, Path("fuzzed.fmu"))
     assert described.fmi_major in (1, 2, 3) and described.inputs is not None
     assert all(name == v.name for name, v in described.variables.items())
 

@@ -1,136 +1,128 @@
-"""modelDescription.xml from bytes to what FMPy makes of it, judged before and after.
-
-The document is parsed here without expanding or loading anything, judged by its root, by the
-schema of the standard and by `xml_checks`, and only then read by FMPy, whose findings and
-exceptions become an `FmuError` of one sentence. Documents with a DOCTYPE are refused.
-
-Who wants an FMU in spite of its faults passes a list for them (`Faults`): what is invalid and can
-be read all the same goes there. What could do harm is refused all the same.
+"""The XML documents of an FMU: parsed without expanding or loading anything, and held against the
+schemas of the standard. Documents with a DOCTYPE are refused, so no entity is ever expanded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from itertools import islice
+import importlib.util
+import re
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import fmpy
-from fmpy.model_description import ValidationError
-from fmpy.validation import validate_model_description
 from lxml import etree
 
 from harness.errors import FmuError
-from harness.fmi.description.xml_checks import (
-    document_faults,
-    harmful_faults,
-    root_fault,
-    schema_problems,
-)
+from harness.fmi.description.faults import DOCUMENT, Fault, Harm
 from harness.fmi.wording import shorten
-
-_BUILD = "sources/buildDescription.xml"
-_SHOWN_FAULTS = 3
-
-Faults = list[str]
-"""Sentences about faults that were let pass."""
 
 MAX_DOCUMENT = 2**28
 """Bytes of a document; it takes some ten times as many in memory."""
 
-
-def read_document(folder: Path, source: Path, passed: Faults | None = None) -> tuple[Any, Any]:
-    """The root element and FMPy's reading of the unpacked FMU in `folder`.
-
-    `source` is the archive, for messages. Raises `FmuError` when the document is missing,
-    malformed, invalid or of an unknown version.
-    """
-    root = _root(folder / "modelDescription.xml", source)
-    _judge_problems(schema_problems(root), source, passed)
-    with faults_of(source):
-        judge(harmful_faults(root), source)
-        judge(document_faults(root), source, passed)
-        description = fmpy.read_model_description(str(folder), validate=False)
-        problems = validate_model_description(description)
-    _judge_problems(problems, source, passed)
-    return root, description
-
-
-def judge(faults: Iterable[str], source: Path, passed: Faults | None = None) -> None:
-    """Raise `FmuError` with the first few of `faults`, phrases about the document, if any; where
-    there is a list `passed` they are added to it."""
-    found = list(islice(faults, _SHOWN_FAULTS + 1))
-    if not found:
-        return
-    more = " (and more)" if len(found) > _SHOWN_FAULTS else ""
-    told = f"{_place(source)} {'; '.join(found[:_SHOWN_FAULTS])}{more}"
-    if passed is None:
-        raise FmuError(told)
-    passed.append(told)
+BUILD_DESCRIPTION = "sources/buildDescription.xml"
+_ROOT = "fmiModelDescription"
+_VERSIONS = re.compile(r"1\.0|2\.0|3\.(0|[1-9]\d*)(\.(0|[1-9]\d*))?(-.+)?")
+_SCHEMAS = {
+    1: "fmi1/fmiModelDescription.xsd",
+    2: "fmi2/fmi2ModelDescription.xsd",
+    3: "fmi3/fmi3ModelDescription.xsd",
+}
+_LONG = ("ModelVariables", "ModelStructure", "Outputs", "InitialUnknowns", "TypeDefinitions")
+_PORTION = 1000
+_UNUSED = ("generationDateAndTime", "variableNamingConvention", "dependenciesKind")
+_LISTS = re.compile(
+    r"Element '(UnitDefinitions|TypeDefinitions|LogCategories|InitialUnknowns|Outputs|Derivatives|"
+    r"SourceFiles|VendorAnnotations)': Missing child"
+)
 
 
-def _judge_problems(problems: Sequence[Any], source: Path, passed: Faults | None) -> None:
-    """The same for what a validator finds."""
-    if not problems:
-        return
-    told = f"{_place(source)} is not valid: {_problems(problems)}"
-    if passed is None:
-        raise FmuError(told)
-    if told not in passed:
-        passed.append(told)
-
-
-@contextmanager
-def faults_of(source: Path) -> Iterator[None]:
-    """Whatever is raised while the document is read becomes an `FmuError`."""
+def parse(path: Path, what: str) -> Any:
+    """The root element of a document; `what` names it. Raises `FmuError` where it cannot be read
+    or has a DOCTYPE."""
     try:
-        yield
-    except ValidationError as fault:
-        raise FmuError(f"{_place(source)} is not valid: {_problems(fault.problems)}") from fault
-    except FmuError:
-        raise
-    except Exception as fault:  # FMPy raises bare Exception, lxml its own tree
-        raise FmuError(f"{_place(source)} cannot be read: {_reason(fault)}") from fault
-
-
-def _root(document: Path, source: Path) -> Any:
-    """The root element of a document that FMPy may read; raises `FmuError`."""
-    with faults_of(source):
-        build = document.parent / _BUILD
-        if build.is_file() and _parse(build).docinfo.doctype:
-            raise FmuError(f"{_BUILD} of {source} has a DOCTYPE, which FMUs may not have")
-        if document.stat().st_size > MAX_DOCUMENT:
-            raise FmuError(f"{_place(source)} is larger than {MAX_DOCUMENT} bytes")
-        tree = _parse(document)
+        if path.stat().st_size > MAX_DOCUMENT:
+            raise FmuError(f"{what} is larger than {MAX_DOCUMENT} bytes")
+        parser = etree.XMLParser(
+            resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
+        )
+        tree: Any = etree.parse(str(path), parser)
+    except (OSError, etree.Error) as fault:
+        reason = shorten(str(fault), 300) or type(fault).__name__
+        raise FmuError(f"{what} cannot be read: {reason}") from fault
     if tree.docinfo.doctype:
-        raise FmuError(f"{_place(source)} has a DOCTYPE, which FMUs may not have")
-    root = tree.getroot()
-    unreadable = root_fault(root)
-    if unreadable:
-        raise FmuError(f"{_place(source)} {unreadable}")
+        raise FmuError(f"{what} has a DOCTYPE, which FMUs may not have")
+    return tree.getroot()
+
+
+def model_description_root(folder: Path, source: Path) -> Any:
+    """The root of modelDescription.xml, of a version that is read; raises `FmuError`.
+
+    A buildDescription.xml must be readable, too, since compilers are told what it says.
+    """
+    build = folder / BUILD_DESCRIPTION
+    if build.is_file():
+        parse(build, f"{BUILD_DESCRIPTION} of {source}")
+    place = f"{DOCUMENT} of {source}"
+    root = parse(folder / DOCUMENT, place)
+    if root.tag != _ROOT:
+        raise FmuError(f"{place} has the root element <{shorten(str(root.tag))}>, not <{_ROOT}>")
+    version = root.get("fmiVersion")
+    if version is None:
+        raise FmuError(f"{place} states no fmiVersion")
+    if not _VERSIONS.fullmatch(version):
+        raise FmuError(
+            f"{place} is of FMI version {shorten(version)!r}; versions 1.0, 2.0 and 3.x are read"
+        )
+    if root.find("ModelVariables") is None:
+        raise FmuError(f"{place} has no ModelVariables")
     return root
 
 
-def _parse(document: Path) -> Any:
-    """The document tree, parsed without expanding or loading anything."""
-    parser = etree.XMLParser(
-        resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
+def schema_faults(root: Any, schema: str = "") -> Iterator[Fault]:
+    """What the schema of the standard finds wrong, that of the model description's FMI version
+    where none is named."""
+    name = schema or _SCHEMAS[int(root.get("fmiVersion")[0])]
+    checked = _schema(name)
+    told: set[tuple[int, str]] = set()
+    for _ in _portions(root):
+        log: Any = [] if checked.validate(root) else checked.error_log
+        for one in log:
+            if (one.line, one.message) not in told:
+                told.add((one.line, one.message))
+                harm = Harm.NONE if _is_harmless(one) else Harm.AMBIGUOUS
+                text = f"is not valid: {shorten(one.message, 300)}"
+                yield Fault(harm, text, one.line, f"schema {name}")
+
+
+def _portions(root: Any) -> Iterator[None]:
+    """The document with a part of its long lists at a time, since the place of a fault is found by
+    counting the elements before it; it is whole again in the end."""
+    lists = [(e, list(e)) for e in root.iter(*_LONG) if len(e) > _PORTION]
+    for element, children in lists:
+        element[:] = children[:_PORTION]
+    yield
+    for element, children in lists:
+        for start in range(_PORTION, len(children), _PORTION):
+            element[:] = children[start : start + _PORTION]
+            yield
+        element[:] = children[:_PORTION]
+    for element, children in lists:
+        element[:] = children
+
+
+def _is_harmless(entry: Any) -> bool:
+    """An attribute that the standard does not know or nobody reads, or an empty list."""
+    if entry.type_name == "SCHEMAV_CVC_COMPLEX_TYPE_3_2_1":
+        return True
+    return any(f"attribute '{name}'" in entry.message for name in _UNUSED) or bool(
+        _LISTS.match(entry.message)
     )
-    return etree.parse(str(document), parser)
 
 
-def _place(source: Path) -> str:
-    return f"modelDescription.xml of {source}"
-
-
-def _problems(problems: Sequence[Any]) -> str:
-    shown = "; ".join(shorten(str(one), 300) for one in problems[:_SHOWN_FAULTS])
-    left = len(problems) - _SHOWN_FAULTS
-    return shown + (f" (and {left} more)" if left > 0 else "")
-
-
-def _reason(fault: Exception) -> str:
-    if isinstance(fault, KeyError):
-        return f"it refers to {shorten(repr(fault.args[0]))}, which it does not define"
-    return shorten(str(fault), 300) or type(fault).__name__
+@cache
+def _schema(name: str) -> etree.XMLSchema:
+    """A schema as FMPy ships it; FMPy itself is not imported."""
+    found = importlib.util.find_spec("fmpy")
+    assert found is not None and found.origin is not None
+    return etree.XMLSchema(file=str(Path(found.origin).parent / "schema" / name))

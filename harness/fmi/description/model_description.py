@@ -1,36 +1,65 @@
-"""What an FMU says of itself, read and validated by FMPy, offered as frozen dataclasses.
-
-All that the harness knows of an FMU's XML goes through this adapter. Documents with a DOCTYPE are
-refused, so no entity is ever expanded.
-"""
+"""What an FMU says of itself, as frozen dataclasses; `reader` makes them of its documents."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
-from pathlib import Path
-from typing import Any
 
 from harness.errors import FmuError, UsageError, nearest
-from harness.fmi.description.details import (
-    Details,
-    DisplayUnit,
-    fmi1_capabilities,
-    read_details,
-    read_display_units,
-)
-from harness.fmi.description.document import Faults, faults_of, judge, read_document
-from harness.fmi.description.value_checks import unit_faults, variable_faults
 from harness.system.units import Unit
 
 _SIZED = frozenset(f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
 INTEGER_TYPES = _SIZED | {"Integer", "Enumeration"}
 REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
 MAX_ELEMENTS = 10**7
+"""Elements of an array, and of all that a description states, together."""
 NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
+
+
+@dataclass(frozen=True)
+class DisplayUnit:
+    """display value = `factor` * value + `offset`; where `inverse`, `factor` / value."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+    inverse: bool = False
+
+
+@dataclass(frozen=True)
+class Details:
+    """What only some variables have.
+
+    `alias_of`: the variable of which this is another name; `negated`: with the opposite sign
+    (FMI 1). `relative`: a difference, such as of temperatures, whose unit conversion has no offset.
+    `starts`: the start values of an array of strings or binaries. `items`: names of an
+    enumeration by number. For clocks: `interval_variability`, `interval` and `shift` (s, as the
+    fraction counter over resolution where given so), `can_be_deactivated`, and the `priority`
+    (scheduled execution; lower is more urgent). `clocks`: the clocks of a clocked variable, by
+    name; `previous`: the variable that holds its value of the tick before. `intermediate_update`:
+    it may be accessed in intermediate update mode; `reinit`: a state that events may set anew.
+    """
+
+    alias_of: str | None = None
+    negated: bool = False
+    relative: bool = False
+    display_unit: str | None = None
+    declared_type: str | None = None
+    starts: tuple[str, ...] = ()
+    items: tuple[tuple[int, str], ...] = ()
+    interval_variability: str | None = None
+    interval: tuple[int, int] | float | None = None
+    shift: tuple[int, int] | float = 0.0
+    can_be_deactivated: bool = False
+    clocks: tuple[str, ...] = ()
+    has_start: bool = True
+    multiple_sets: bool = True
+    priority: int | None = None
+    previous: str | None = None
+    intermediate_update: bool = False
+    reinit: bool = False
 
 
 @dataclass(frozen=True)
@@ -76,6 +105,58 @@ class Capabilities:
     needs_completed_integrator_step: bool = True
     might_return_early: bool = False
     needs_execution_tool: bool = False
+    provides_intermediate_update: bool = False
+    can_return_early_after_intermediate_update: bool = False
+    recommended_intermediate_input_smoothness: int = 0
+    provides_evaluate_discrete_states: bool = False
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A variable that the FMU computes, as its model structure lists it.
+
+    `kind`: "Output", "ContinuousStateDerivative", "ClockedState", "InitialUnknown" or
+    "EventIndicator". `dependencies`: the variables on which it depends, by name, None where it does
+    not say; `dependency_kinds`: how, one for each. `line` is that of the document.
+    """
+
+    kind: str
+    variable: str
+    dependencies: tuple[str, ...] | None
+    dependency_kinds: tuple[str, ...] | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Member:
+    """A variable of a terminal by its name there (as a connector has it) and its kind, such as
+    "signal", "inflow" or "outflow"."""
+
+    variable: str
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Variables that are connected together; `matching_rule` ("plug", "bus", "sequence" or one of
+    a tool) says how they find those of another terminal. `terminals` are those inside."""
+
+    name: str
+    matching_rule: str
+    kind: str = ""
+    description: str = ""
+    members: tuple[Member, ...] = ()
+    terminals: tuple[Terminal, ...] = ()
+
+
+@dataclass(frozen=True)
+class LayeredStandard:
+    """A standard on top of FMI that the FMU follows, as its manifest names it."""
+
+    name: str
+    version: str
+    description: str
 
 
 @dataclass(frozen=True)
@@ -104,11 +185,15 @@ class ModelDescription:
     step_size: float | None
     tolerance: float | None
     initial_feedthrough: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    scheduled_execution: bool = False
+    scheduled_execution: Capabilities | None = None
     number_of_event_indicators: int = 0
     number_of_continuous_states: int = 0
     display_units: Mapping[str, Mapping[str, DisplayUnit]] = field(default_factory=dict)
     event_indicators: tuple[str, ...] = ()
+    structured_names: bool = False
+    unknowns: tuple[Unknown, ...] = ()
+    terminals: tuple[Terminal, ...] = ()
+    layered_standards: tuple[LayeredStandard, ...] = ()
 
     @property
     def fmi_major(self) -> int:
@@ -128,13 +213,7 @@ class ModelDescription:
     @cached_property
     def elements(self) -> Mapping[str, tuple[Variable, int]]:
         """Array and place (from 0, the last index fastest) of each element: "a[1]", "a[2,3]"."""
-        return {
-            name: (variable, place)
-            for variable in self.variables.values()
-            if variable.shape
-            for place, name in enumerate(element_names(variable))
-            if name not in self.variables
-        }
+        return _Elements(self.variables)
 
     def port(self, name: str) -> Variable:
         """The variable of that name, or the element of an array as a variable of its own.
@@ -201,151 +280,41 @@ def element_names(array: Variable) -> tuple[str, ...]:
     return tuple(f"{array.name}[{','.join(map(str, index))}]" for index in indices)
 
 
-def read_model_description(
-    folder: Path, source: Path, passed: Faults | None = None
-) -> ModelDescription:
-    """Read the unpacked FMU in `folder`; `source` is the archive, for messages.
+class _Elements(Mapping[str, tuple[Variable, int]]):
+    """Looked up by taking the name to pieces, since an array may have millions of elements."""
 
-    Raises `FmuError` when the document is missing, malformed, invalid or of an unknown version.
-    Where there is a list `passed`, faults that do not keep it from being read go there instead.
-    """
-    root, description = read_document(folder, source, passed)
-    with faults_of(source):
-        adapted = _adapt(description, root)
-        judge(variable_faults(adapted.variables, adapted.fmi_major), source, passed)
-        judge(unit_faults(adapted.units), source, passed)
-    return adapted
+    def __init__(self, variables: Mapping[str, Variable]) -> None:
+        self._variables = variables
+        self._arrays = [v for v in variables.values() if v.shape]
 
+    def __getitem__(self, name: str) -> tuple[Variable, int]:
+        base, _, indices = name.removesuffix("]").rpartition("[")
+        array = self._variables.get(base)
+        if array is None or not array.shape or name in self._variables:
+            raise KeyError(name)
+        place, given = 0, indices.split(",")
+        if len(given) != len(array.shape) or not all(map(str.isdecimal, given)):
+            raise KeyError(name)
+        for index, length in zip(map(int, given), array.shape, strict=True):
+            if not 1 <= index <= length:
+                raise KeyError(name)
+            place = place * length + index - 1
+        if name != f"{base}[{','.join(str(int(index)) for index in given)}]":
+            raise KeyError(name)
+        return array, place
 
-def _directional(root: Any) -> frozenset[str]:
-    """Interfaces with directional derivatives; FMPy 0.3.32 does not read FMI 3's spelling of it."""
-    names = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
-    return frozenset(
-        str(element.tag)
-        for element in root.iterchildren("*")  # comments are no interfaces
-        if any(element.get(name, "").strip() in ("true", "1") for name in names)
-    )
+    def __iter__(self) -> Iterator[str]:
+        names = (name for array in self._arrays for name in element_names(array))
+        return (name for name in names if name not in self._variables)
 
-
-def _adapt(d: Any, root: Any) -> ModelDescription:
-    directional, details = _directional(root), read_details(root)
-    names = {v.valueReference: v.name for v in reversed(d.modelVariables)}
-    variables = {
-        v.name: _variable(v, details.get(v.name, Details()), names) for v in d.modelVariables
-    }
-    fmi1 = fmi1_capabilities(root)
-    experiment = d.defaultExperiment
-    outputs = {u.variable.name: u for u in d.outputs if u.variable is not None}
-    return ModelDescription(
-        name=d.modelName,
-        fmi_version=d.fmiVersion,
-        token=d.instantiationToken or "",
-        description=d.description or "",
-        generation_tool=d.generationTool or "",
-        co_simulation=_capabilities(d.coSimulation, "CoSimulation" in directional, fmi1),
-        model_exchange=_capabilities(
-            d.modelExchange,
-            "ModelExchange" in directional,
-            None if fmi1 is None else {"needs_completed_integrator_step": True},
-        ),
-        variables=variables,
-        units={u.name: _unit(u) for u in d.unitDefinitions},
-        feedthrough={name: _feedthrough(u, variables) for name, u in outputs.items()},
-        states=tuple(
-            (u.variable.derivative.name, u.variable.name)
-            for u in d.derivatives
-            if u.variable is not None and u.variable.derivative is not None
-        ),
-        start_time=_number(experiment and experiment.startTime),
-        stop_time=_number(experiment and experiment.stopTime),
-        step_size=_number(experiment and experiment.stepSize),
-        tolerance=_number(experiment and experiment.tolerance),
-        initial_feedthrough={
-            u.variable.name: tuple(_feedthrough(u, variables) or ())
-            for u in d.initialUnknowns
-            if u.variable is not None and u.dependencies is not None
-        },
-        scheduled_execution=d.scheduledExecution is not None,
-        number_of_event_indicators=d.numberOfEventIndicators,
-        number_of_continuous_states=d.numberOfContinuousStates,
-        display_units=read_display_units(root),
-        event_indicators=tuple(u.variable.name for u in d.eventIndicators if u.variable),
-    )
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
 
-def _variable(v: Any, details: Details, names: Mapping[int, str]) -> Variable:
-    shape = tuple(
-        int(dimension.start if dimension.variable is None else dimension.variable.start)
-        for dimension in v.dimensions
-    )
-    declared = v.declaredType
-    return Variable(
-        name=v.name,
-        value_reference=v.valueReference,
-        type=v.type,
-        causality=v.causality or "local",
-        variability=v.variability or "continuous",
-        initial=v.initial,
-        start=v.start,
-        unit=v.unit or (declared.unit if declared is not None else None),
-        description=v.description or "",
-        minimum=_number(v.min),
-        maximum=_number(v.max),
-        nominal=_number(v.nominal),
-        size=prod(shape),
-        shape=shape,
-        derivative_of=v.derivative.name if v.derivative is not None else None,
-        dimensions=tuple(
-            int(d.start) if d.variable is None else d.variable.name for d in v.dimensions
-        ),
-        details=replace(
-            details,
-            alias_of=v.alias.name if v.alias is not None else details.alias_of,
-            clocks=tuple(names.get(int(one), one) for one in details.clocks),
-        ),
-    )
-
-
-def _feedthrough(unknown: Any, variables: Mapping[str, Variable]) -> tuple[str, ...] | None:
-    if unknown.dependencies is None:
-        return None
-    names = [v.name for v in unknown.dependencies]
-    return tuple(name for name in names if variables[name].causality == "input")
-
-
-def _capabilities(
-    c: Any, directional: bool, fmi1: Mapping[str, Any] | None = None
-) -> Capabilities | None:
-    if c is None:
-        return None
-    found = Capabilities(
-        model_identifier=c.modelIdentifier,
-        can_get_and_set_fmu_state=bool(c.canGetAndSetFMUstate),
-        can_serialize_fmu_state=bool(c.canSerializeFMUstate),
-        provides_directional_derivatives=directional,
-        provides_adjoint_derivatives=bool(c.providesAdjointDerivatives),
-        can_be_instantiated_only_once=bool(c.canBeInstantiatedOnlyOncePerProcess),
-        can_handle_variable_step=bool(getattr(c, "canHandleVariableCommunicationStepSize", True)),
-        fixed_internal_step_size=_number(getattr(c, "fixedInternalStepSize", None)),
-        has_event_mode=bool(getattr(c, "hasEventMode", False)),
-        max_output_derivative_order=int(getattr(c, "maxOutputDerivativeOrder", 0) or 0),
-        can_interpolate_inputs=bool(getattr(c, "canInterpolateInputs", False)),
-        needs_completed_integrator_step=bool(getattr(c, "needsCompletedIntegratorStep", True)),
-        might_return_early=bool(getattr(c, "mightReturnEarlyFromDoStep", False)),
-        needs_execution_tool=bool(c.needsExecutionTool),
-    )
-    return replace(found, **fmi1) if fmi1 else found
-
-
-def _unit(u: Any) -> Unit:
-    if u.baseUnit is None:
-        return Unit(u.name)
-    b = u.baseUnit
-    exponents = tuple(
-        int(getattr(b, name)) for name in ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-    )
-    return Unit(u.name, exponents, float(b.factor), float(b.offset))
-
-
-def _number(text: Any) -> float | None:
-    return None if text is None else float(text)
+def outside(v: Variable, value: float) -> str:
+    """How `value` lies outside the limits of a variable, as in "above its max 3", or ""."""
+    if v.minimum is not None and value < v.minimum:
+        return f"below its min {v.minimum:g}"
+    if v.maximum is not None and value > v.maximum:
+        return f"above its max {v.maximum:g}"
+    return ""

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from harness.fmi.description.details import Details
-from harness.fmi.description.model_description import Variable
+from harness.fmi.description.model_description import Details, Variable
 from harness.inspection.excitation import moving_inputs
 from tests.harness.inspection.descriptions import described
 

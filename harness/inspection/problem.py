@@ -1,0 +1,38 @@
+"""A static fault of an FMU, with its severity."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+PLACE = "modelDescription.xml"
+_SHOWN = 5
+
+
+class Severity(StrEnum):
+    """How much a problem matters."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One problem: where it is, what it is, and the sentence of the standard that it breaks."""
+
+    severity: Severity
+    place: str
+    text: str
+    rule: str = ""
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return asdict(self) | {"severity": str(self.severity)}
+
+
+def listed(names: list[str]) -> str:
+    """The first few names, and how many more there are."""
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return ", ".join(names[:_SHOWN]) + more
