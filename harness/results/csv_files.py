@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import RecordingError, UsageError
-from harness.instruments.csv_signal import plain_name, read_csv_table
 from harness.results.columns import TIME, Column, element_names
 from harness.results.result import Result
 from harness.results.whole import whole
@@ -83,6 +82,8 @@ class ReferenceTable:
 def read_reference(path: Path, arrays: dict[str, tuple[int, ...]]) -> ReferenceTable:
     """The table at `path`, read liberally; raises `HarnessError`. Columns of whole arrays (sizes
     in `arrays`), their elements separated by spaces, become a column an element."""
+    from harness.instruments.csv_signal import plain_name, read_csv_table
+
     table = read_csv_table(path, as_text=True)
     columns: dict[str, tuple[str, ...]] = {}
     for index, header in enumerate(table.names):
