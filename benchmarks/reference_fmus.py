@@ -32,8 +32,8 @@ from scipy.integrate import solve_ivp
 
 from harness import Fmu, simulate
 from harness.errors import HarnessError
+from harness.results.csv_files import read_reference
 from harness.results.result import Result
-from harness.simulation.csv_files import read_reference
 
 Array = NDArray[np.float64]
 FIXED_STEP = {

@@ -18,8 +18,8 @@ from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
+    from harness.results.comparison import Agreement
     from harness.results.result import Result
-    from harness.simulation.comparison import Agreement
     from harness.simulation.settings import Request
 
 Number = float | None
@@ -121,7 +121,7 @@ def simulate_command(
                 "--allow-not-finite takes such values"
             )
         if validate_against is not None:
-            _validate(opened, result, validate_against, time_band, value_band)
+            _validate(result, validate_against, time_band, value_band)
 
 
 def _kept(result: Result, output_file: Path | None) -> str:
@@ -142,7 +142,7 @@ def _filled(given: Request, options: Request, path: Path) -> Request:
 
 def _recorded(opened: Fmu, reference: Path) -> list[str]:
     """The default outputs and the columns of the reference."""
-    from harness.simulation.csv_files import read_reference
+    from harness.results.csv_files import read_reference
     from harness.simulation.outputs import select
 
     d = opened.description
@@ -202,24 +202,24 @@ def _write(result: Result, csv: Path | None, plot: Path | None, show: bool) -> N
 
         write_csv(result, csv)
         console().print(f"written: {csv}", markup=False, soft_wrap=True)
-    if (plot is not None or show) and result.names and len(result.time) and result.manifest.fmus:
-        from harness.simulation.plot import write_plot
+    if (plot is not None or show) and result.numeric and len(result.time) and result.manifest.fmus:
+        from harness.results.plots import save_figure
 
-        path = plot or Path(f"{result.manifest.fmus[0].instance}.png")
-        write_plot(result, path)
+        instance = result.manifest.fmus[0].instance
+        kind = result.manifest.experiment["interface_type"]
+        path = plot or Path(f"{instance}.png")
+        save_figure(path, result.plot(title=f"{instance} ({kind})"))
         console().print(f"written: {path}", markup=False, soft_wrap=True)
         if show:
             typer.launch(str(path))
 
 
-def _validate(
-    opened: Fmu, result: Result, path: Path, time_band: float | None, value_band: float
-) -> None:
-    from harness.simulation.validation import validate
+def _validate(result: Result, path: Path, time_band: float | None, value_band: float) -> None:
+    from harness.results.comparison import compare_with_file
 
     if value_band < 0.0 or not math.isfinite(value_band):
         raise UsageError(f"--value-band must not be negative, not {value_band}")
-    found, band = validate(opened.description, result, path, time_band, value_band)
+    found, band = compare_with_file(result, path, time_band, value_band)
     text = f"band: {band.time:g} s in time, {100 * band.relative:g} % of the range in value"
     console().print(_agreements(found, text))
     wrong = [one for one in found if not one.agrees]

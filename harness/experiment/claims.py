@@ -22,7 +22,7 @@ from harness.experiment.faults import describe
 from harness.experiment.schema import Strict
 from harness.experiment.study import LOST, Study
 from harness.experiment.sweep import Region
-from harness.results.comparison import share
+from harness.results.intervals import share
 
 HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
 UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"

@@ -9,6 +9,7 @@ import numpy as np
 
 from harness.errors import UsageError
 from harness.experiment.schema import ExperimentSpec, MeasureSpec, MetricSpec
+from harness.results.metrics import after_events
 from harness.results.result import Array, Result
 from harness.results.step_response import segment_metrics, segments, tracking_metrics
 
@@ -40,9 +41,10 @@ def tracking(result: Result, m: MeasureSpec) -> Metrics:
 
 
 def _response(result: Result, m: MeasureSpec, response: str) -> Metrics:
-    arrays = (result.time, result[m.reference], result[response], result[m.control])
+    reference = result.numbers(m.reference)
+    arrays = (result.time, reference, result.numbers(response), result.numbers(m.control))
     try:
-        segments(result.time, result[m.reference])
+        segments(result.time, reference)
     except UsageError:
         return {k: float(v) for k, v in asdict(tracking_metrics(*arrays, window=m.window)).items()}
     steps = segment_metrics(*arrays, band=m.band, window=m.window)
@@ -56,22 +58,24 @@ def _response(result: Result, m: MeasureSpec, response: str) -> Metrics:
 
 
 def custom(result: Result, spec: MetricSpec) -> float | None:
-    """One figure of `[metrics]`; None where no row lies between its times."""
-    rows = np.ones(len(result.time), dtype=bool)
+    """One figure of `[metrics]`; None where no row lies between its times. At an event the row
+    after it counts, and for the largest value both."""
+    rows = after_events(result.time) | (spec.kind == "max_abs")
     if spec.start is not None:
         rows &= result.time >= spec.start
     if spec.end is not None:
         rows &= result.time <= spec.end
     if not rows.any():
         return None
-    values = result[spec.signal][rows]
+    values = result.numbers(spec.signal)[rows]
     if spec.minus is not None:
-        values = values - result[spec.minus][rows]
+        values = values - result.numbers(spec.minus)[rows]
     if spec.norm_with:
-        values = np.sqrt(values**2 + sum(result[name][rows] ** 2 for name in spec.norm_with))
+        others = (result.numbers(name)[rows] for name in spec.norm_with)
+        values = np.sqrt(values**2 + sum(other**2 for other in others))
     scale = 1.0
     if isinstance(spec.relative_to, str):
-        scale = _rms(result[spec.relative_to][rows])
+        scale = _rms(result.numbers(spec.relative_to)[rows])
     elif spec.relative_to is not None:
         scale = spec.relative_to
     if not scale:

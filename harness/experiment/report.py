@@ -14,7 +14,7 @@ from harness.errors import ExperimentError, RecordingError
 from harness.experiment.experiment import Experiment
 from harness.experiment.schema import PlotSpec
 from harness.results.membership_plot import membership_plot
-from harness.results.plots import gains_plot, overview_plot, save_figures, signals_plot
+from harness.results.plots import gains_plot, overview_plot, save_figures
 from harness.results.result import Result
 from harness.results.step_response import metric_units
 from harness.results.surface_plot import surfaces_plot
@@ -60,8 +60,8 @@ def signals_table(experiment: Experiment, results: Results) -> Table:
     for heading in ("first", "least", "greatest", "last"):
         table.add_column(heading, justify="right")
     for variant, result in results.items():
-        for name in result.names:
-            values = result[name]
+        for name in result.numeric:
+            values = result.numbers(name)
             if len(values):
                 figures = (values[0], values.min(), values.max(), values[-1])
                 cells = [f"{one:.6g}" for one in figures]
@@ -103,7 +103,7 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
     elif not spec.plots:
         for name, result in results.items():  # a label would make a poor file name
             text = f"{title}\n{experiment.label(name)}"
-            drawn[name] = signals_plot(result, result.names, title=text)
+            drawn[name] = result.plot(title=text)
     for name, plot in spec.plots.items():
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results
@@ -137,8 +137,8 @@ def _membership(
     prefix = f"{component}."
     first, last = (
         {
-            n.removeprefix(prefix): float(result[n][row])
-            for n in result.names
+            n.removeprefix(prefix): float(result.numbers(n)[row])
+            for n in result.numeric
             if n.startswith(prefix)
         }
         for row in (0, -1)

@@ -21,7 +21,7 @@ from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, PreparedVariant
 from harness.experiment.parallel import Workers, given_or_one
 from harness.process.watchdog import allow
-from harness.results.comparison import PairedDifference, Share, paired_difference, share
+from harness.results.intervals import PairedDifference, Share, paired_difference, share
 from harness.results.whole import whole
 
 Metrics = Mapping[str, float | None]

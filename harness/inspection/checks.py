@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import HarnessError
-from harness.inspection.comparison import difference, names, not_finite, same
 from harness.inspection.finding import Finding, failed, not_offered, passed
+from harness.inspection.finite import names, not_finite
 from harness.inspection.subject import Subject
+from harness.results.comparison import first_difference
 
 CYCLES = 200
 """Instantiations of the leak check."""
@@ -53,15 +54,15 @@ def instantiates_twice(subject: Subject) -> Finding:
     with subject.running("first") as first, subject.running("second") as second:
         before = second.watch()
         parts = [(first.advance(half), second.watch(), second.advance(half))]
-        if not same(before, parts[0][1]):
+        if first_difference(subject.labels, before[None], parts[0][1][None]):
             return failed("an instance changes while another one steps", lie)
         parts.append((first.advance(half, half), before, second.advance(half, half)))
-    if not same(*alone):
+    if first_difference(subject.labels, *alone):
         return failed("cannot be judged, since one instance alone does not repeat its run")
     for word, index in (("first", 0), ("second", 2)):
         found = np.concatenate([part[index] for part in parts])
-        if not same(alone[0], found):
-            what = difference(subject, alone[0], found)
+        what = first_difference(subject.labels, alone[0], found)
+        if what:
             return failed(f"the {word} of two is disturbed: {what}", lie)
     return passed("both run as one alone does")
 
@@ -73,9 +74,10 @@ def repeats(subject: Subject) -> Finding:
         with subject.running() as motion:
             found.append(motion.advance())
     digest = hashlib.sha256(found[0].tobytes()).hexdigest()
-    if same(*found):
-        return passed("bit for bit", digest=digest)
-    return failed(f"two runs differ: {difference(subject, *found)}", digest=digest)
+    what = first_difference(subject.labels, *found)
+    if what:
+        return failed(f"two runs differ: {what}", digest=digest)
+    return passed("bit for bit", digest=digest)
 
 
 def resets(subject: Subject) -> Finding:
@@ -90,9 +92,10 @@ def resets(subject: Subject) -> Finding:
             return failed(str(fault))
         motion.begin()
         found = motion.advance()
-    if same(expected, found):
-        return passed("to a fresh state, bit for bit")
-    return failed(f"something of the old run remains: {difference(subject, expected, found)}")
+    what = first_difference(subject.labels, expected, found)
+    if what:
+        return failed(f"something of the old run remains: {what}")
+    return passed("to a fresh state, bit for bit")
 
 
 def takes_other_steps(subject: Subject) -> Finding:

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import HarnessError
-from harness.inspection.comparison import difference, same
 from harness.inspection.finding import Finding, failed, not_offered, passed
 from harness.inspection.subject import Subject
+from harness.results.comparison import first_difference
 
 _SNAPSHOT, _SERIAL = "canGetAndSetFMUState", "canSerializeFMUState"
 _TOO_SHORT = "the FMU ends the simulation before a snapshot could be taken"
@@ -37,9 +37,9 @@ def restores(subject: Subject) -> Finding:
         except HarnessError as fault:
             return failed(str(fault), _SNAPSHOT)
     for found in repeated:
-        if not same(expected, found):
-            where = difference(subject, expected, found)
-            return failed(f"the run goes on otherwise: {where}", _SNAPSHOT)
+        what = first_difference(subject.labels, expected, found)
+        if what:
+            return failed(f"the run goes on otherwise: {what}", _SNAPSHOT)
     return passed("and goes on bit for bit, twice")
 
 
@@ -82,9 +82,10 @@ def _continues(subject: Subject, words: str) -> Finding:
             found = motion.advance(subject.half, first=subject.half)
         except HarnessError as fault:
             return failed(str(fault), _SERIAL)
-    if same(expected, found):
-        return passed(words)
-    return failed(f"the run goes on otherwise: {difference(subject, expected, found)}", _SERIAL)
+    what = first_difference(subject.labels, expected, found)
+    if what:
+        return failed(f"the run goes on otherwise: {what}", _SERIAL)
+    return passed(words)
 
 
 def left_behind(subject_scratch: Path, interface_type: str) -> bool:

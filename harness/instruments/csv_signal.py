@@ -38,34 +38,48 @@ class CsvTable:
     @cached_property
     def times_ns(self) -> Times:
         """The instants of the rows (integer nanoseconds, shape (n,))."""
-        seconds = self.column(self._time_name())
+        if not np.all(np.abs(self.seconds) <= LONGEST):
+            raise ExperimentError(f"{self.path} has times beyond {LONGEST:g} s")
+        return np.rint(self.seconds * NANOSECONDS).astype(np.int64)
+
+    @cached_property
+    def seconds(self) -> Values:
+        """The times of the rows (s, shape (n,)), which do not decrease."""
+        seconds = self._numbers(self.time_index)
         if len(seconds) == 0:
             raise ExperimentError(f"{self.path} has a header but no rows of values")
-        if not np.all(np.abs(seconds) <= LONGEST):
-            raise ExperimentError(f"{self.path} has times beyond {LONGEST:g} s")
-        times_ns = np.rint(seconds * NANOSECONDS).astype(np.int64)
-        backwards = np.flatnonzero(np.diff(times_ns) < 0)
+        backwards = np.flatnonzero(np.diff(seconds) < 0.0)
         if len(backwards):
             row = int(backwards[0]) + 1
             raise ExperimentError(
                 f"{self.path}: time goes back from {seconds[row - 1]:.9g} s to "
                 f"{seconds[row]:.9g} s in row {row + 1} of the values; times must not decrease"
             )
-        return times_ns
+        return seconds
 
-    def _time_name(self) -> str:
-        for name in self.names:
-            if name.lower() == "time":
-                return name
+    @cached_property
+    def time_index(self) -> int:
+        """The place of the column of the time."""
+        for index, name in enumerate(self.names):
+            if plain_name(name).lower() == "time":
+                return index
         raise ExperimentError(
             f"{self.path} has no column 'time', only {', '.join(map(repr, self.names[:12]))}"
         )
 
     def column(self, name: str) -> Values:
         """The values of the column called `name` (exactly, else by its plain name), shape (n,)."""
-        index = self._index(name)
+        return self._numbers(self._index(name))
+
+    def _numbers(self, index: int) -> Values:
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        name, cells = self.names[index], self.columns.column(index)
         try:
-            values = self.columns.column(index).cast("float64").to_numpy()
+            if pa.types.is_string(cells.type):
+                cells = pc.utf8_trim_whitespace(cells)
+            values = cells.cast("float64").to_numpy()
         except (ValueError, NotImplementedError) as fault:
             reason = " ".join(str(fault).split())[:300]
             raise ExperimentError(

@@ -11,7 +11,7 @@ from harness.fmi.fmu import Fmu
 from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import cells_of
-from harness.results.columns import Column
+from harness.results.columns import Column, bare_name
 from harness.system.check import inputs_of, outputs_of
 from harness.system.graph import Endpoint, FmuComponent, System
 
@@ -82,7 +82,7 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
         return cells.get(end, "real") if d is None else column_type(d, end.variable)
 
     def name_of(end: Endpoint) -> str:
-        return end.variable if system.single else str(end)
+        return bare_name(end.component, end.variable) if system.single else str(end)
 
     return tuple(
         Column(name_of(end), unit_of(end), ports[end].description, type_of(end))

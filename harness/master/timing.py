@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.clock import nearest_nanosecond, show
+from harness.clock import show
 from harness.fmi.fmu import Fmu
 from harness.master.plan.actions import (
     Action,
@@ -150,9 +150,8 @@ def _measure(system: System, fmus: Mapping[str, Fmu], pulsed: Endpoint) -> tuple
     baseline = _run(_opened(system, pulsed, 0.0), fmus, ports)
     times: dict[Endpoint, int | None] = dict.fromkeys(ports)
     for size in _SIZES:
-        times = _first_differences(
-            ports, baseline, _run(_opened(system, pulsed, size), fmus, ports)
-        )
+        found = _run(_opened(system, pulsed, size), fmus, ports)
+        times = _first_differences(ports, baseline, found, system.ticks_per_second)
         if any(times[port] is not None for port in ports[1:]):
             break
     return tuple(Arrival(p, computed, times[p], source.period_ns) for p in ports)
@@ -246,9 +245,10 @@ def _first_differences(
     ports: list[Endpoint],
     first: tuple[NDArray[np.float64], NDArray[np.float64]],
     second: tuple[NDArray[np.float64], NDArray[np.float64]],
+    ticks: int,
 ) -> dict[Endpoint, int | None]:
     found: dict[Endpoint, int | None] = {}
     for column, port in enumerate(dict.fromkeys(ports)):
         changed = np.flatnonzero(first[1][:, column] != second[1][:, column])
-        found[port] = nearest_nanosecond(first[0][changed[0]]) if changed.size else None
+        found[port] = round(first[0][changed[0]] * ticks) if changed.size else None
     return found

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +19,7 @@ _DTYPES: dict[str, Any] = {
     "real": np.float64, "float32": np.float32, "boolean": np.bool_, "clock": np.bool_,
     "integer": np.int64, "int64": np.int64, "uint64": np.uint64,
 }  # fmt: skip
+_ELEMENT = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
 TEXT_TYPES = ("text", "binary")
 TYPES = (*_DTYPES, *TEXT_TYPES)
 
@@ -28,13 +31,14 @@ class Column:
     `type` says what a row's 8-byte cell holds. Of "real", "float32", "integer" (float64 holds it
     exactly), "boolean" and "clock" (whether it ticks): the value as float64. Of "int64" and
     "uint64": the integer itself. Of "text" and "binary": an index (int64) into the texts of the
-    run.
+    run. `held`: a number keeps its value until the next row, as a discrete variable does.
     """
 
     name: str
     unit: str = "1"
     description: str = ""
     type: str = "real"
+    held: bool = False
 
     @property
     def dtype(self) -> Any:
@@ -43,8 +47,8 @@ class Column:
 
     @property
     def continuous(self) -> bool:
-        """Whether it may change between two rows; other types are held until the next one."""
-        return self.type in ("real", "float32")
+        """Whether it changes between two rows; what does not is held until the next one."""
+        return self.type in ("real", "float32") and not self.held
 
 
 def check_columns(columns: Iterable[Column]) -> tuple[Column, ...]:
@@ -72,6 +76,25 @@ def bare_name(instance: str, variable: str) -> str:
     """The column of a variable where only one FMU is recorded: its own name, or
     `instance.variable` for a variable that is called as the column of the time."""
     return f"{instance}.{variable}" if variable == TIME else variable
+
+
+def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
+    """The names of the columns of a variable: its own, or one for each element, `a[1,2]`, counted
+    from 1 in row-major order."""
+    if not shape:
+        return [name]
+    places = itertools.product(*(range(1, size + 1) for size in shape))
+    return [f"{name}[{','.join(map(str, place))}]" for place in places]
+
+
+def array_shapes(names: Iterable[str]) -> dict[str, tuple[int, ...]]:
+    """The sizes of the arrays whose elements are among the `names` of columns."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    for name in names:
+        if found := _ELEMENT.fullmatch(name):
+            place = tuple(map(int, found[2].split(",")))
+            shapes[found[1]] = max(place, shapes.get(found[1], place))
+    return shapes
 
 
 def values_of(

@@ -1,123 +1,177 @@
-"""Comparing variants over many seeds: paired differences of means, and shares, with intervals.
+"""Comparing a trajectory with another: to the bit (`first_difference`), or with a reference (a
+`Result` with a file) by a tube in time and value around the one that has more
+rows, in which the rows of the other must lie.
 
-Pairing: value i of both variants comes from the same seed, so that both met the same noise; the
-interval is that of the differences, which is narrower than that of two separate samples.
+At each row judged, at time t, the tube is taken over the window [t - w, t + w] with w = `time_band`
+(s): the smallest and the largest value there (with interpolation at the ends of the window, both
+sides of every jump, and steps held for what is discrete), widened by `relative` * (largest -
+smallest of the whole reference, or its largest magnitude where it is constant) + `absolute`. So a
+jump may come earlier or later by w, a smooth curve may differ by the value band, and what one of
+the two does between the rows of the other is not judged: a reference sampled every 10 ms does not
+know how fast a ball was when it hit the ground.
+
+Strings and binaries must be equal to some value of the reference in the window. Rows beyond the
+times of the other are not judged, and NaN is outside. A column agrees where at least `share` of
+its judged rows are inside; by default all of them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
-from harness.errors import UsageError
+from harness.errors import UsageError, nearest
+from harness.results.columns import array_shapes
+from harness.results.csv_files import ReferenceTable, read_reference
+from harness.results.result import Result
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PairedDifference:
-    """Mean of first − second over `pairs` pairs with its interval [`low`, `high`] at `confidence`.
+class Band:
+    """Half width in time (s), and in value relative to the reference's range and absolute."""
 
-    `left_out` counts the pairs without a number on either side (such as "never settled"); read
-    the mean with them in mind.
-    """
-
-    mean: float
-    low: float
-    high: float
-    confidence: float
-    pairs: int
-    left_out: int
-    method: str
-
-    @property
-    def distinct(self) -> bool:
-        """Whether the interval excludes 0."""
-        return self.low > 0.0 or self.high < 0.0
-
-
-def paired_difference(
-    first: Sequence[float | None] | Array,
-    second: Sequence[float | None] | Array,
-    *,
-    confidence: float = 0.95,
-    method: str = "t",
-    resamples: int = 10_000,
-    seed: int = 0,
-) -> PairedDifference:
-    """The mean difference first − second of paired values, in their unit.
-
-    `method` "t": mean ± t_{n−1}·s/√n, exact for normal differences, good for many pairs.
-    "bootstrap": the percentile interval of `resamples` resampled means (seeded), for skewed or
-    heavy-tailed differences. Values that are None, NaN or infinite leave their pair out.
-    """
-    if len(first) != len(second):
-        raise UsageError(f"pairs were expected, got {len(first)} values and {len(second)}")
-    _check_confidence(confidence)
-    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
-    finite = np.isfinite(a) & np.isfinite(b)
-    d = a[finite] - b[finite]
-    if len(d) < 2:
-        raise UsageError(f"at least 2 pairs of numbers are needed, got {len(d)} of {len(a)}")
-    mean = float(np.mean(d))
-    if method == "t":
-        error = float(np.std(d, ddof=1)) / np.sqrt(len(d))
-        half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(d) - 1)) * error
-        low, high = mean - half, mean + half
-    elif method == "bootstrap":
-        low, high = _percentile_interval(d, confidence, resamples, seed)
-    else:
-        raise UsageError(f"the method must be 't' or 'bootstrap', got {method!r}")
-    return PairedDifference(
-        mean, float(low), float(high), confidence, len(d), len(a) - len(d), method
-    )
-
-
-def _percentile_interval(
-    d: Array, confidence: float, resamples: int, seed: int
-) -> tuple[float, float]:
-    random = np.random.Generator(np.random.PCG64(seed))
-    means = np.array([d[random.integers(len(d), size=len(d))].mean() for _ in range(resamples)])
-    tail = 0.5 * (1.0 - confidence)
-    low, high = np.quantile(means, [tail, 1.0 - tail])
-    return float(low), float(high)
+    time: float
+    relative: float = 0.01
+    absolute: float = 1e-12
+    share: float = 1.0
 
 
 @dataclass(frozen=True)
-class Share:
-    """`count` of `runs` with the Wilson interval [`low`, `high`] of the share at `confidence`."""
+class Agreement:
+    """How one column compares: `inside` of `judged` rows, the largest difference at
+    equal times, and the time (s) of the first row outside the band, if any."""
 
-    count: int
-    runs: int
-    low: float
-    high: float
-    confidence: float
-
-    @property
-    def share(self) -> float:
-        """count/runs."""
-        return self.count / self.runs
+    name: str
+    judged: int
+    inside: int
+    largest: float
+    first_outside: float | None
+    agrees: bool
 
 
-def share(happened: Sequence[bool], *, confidence: float = 0.95) -> Share:
-    """The share of runs in which something happened.
+def first_difference(labels: Sequence[str], expected: Array, found: Array) -> str | None:
+    """The first difference of two runs of the same steps in words, None where they agree to the
+    last bit. `labels` are the names of the columns, the rows (shape (n, columns)) the steps."""
+    if expected.shape != found.shape:
+        return f"{len(found)} steps until the FMU ends the run instead of {len(expected)}"
+    unequal = expected.view(np.uint64) != found.view(np.uint64)
+    if not unequal.any():
+        return None
+    row, column = map(int, np.argwhere(unequal)[0])
+    return (
+        f"{labels[column]} is {found[row, column]:.17g} instead of "
+        f"{expected[row, column]:.17g} after step {row + 1}"
+    )
 
-    The Wilson interval, with z the normal quantile and p = count/n:
-    (p + z²/2n ± z·√(p(1 − p)/n + z²/4n²)) / (1 + z²/n); it stays within [0, 1] and is honest
-    for 0 of n too.
+
+def compare_with_file(
+    result: Result, path: Path, time_band: float | None = None, value_band: float = 0.01
+) -> tuple[tuple[Agreement, ...], Band]:
+    """Compare `result` with the CSV file at `path`; the agreements and the band that was used.
+
+    Where no `time_band` (s) is given it is the larger of the usual distances of the rows of both,
+    since an event may be seen that much later.
     """
-    _check_confidence(confidence)
-    if len(happened) == 0:
-        raise UsageError("a share needs at least one run, got none")
-    count, runs = int(np.count_nonzero(happened)), len(happened)
-    interval = stats.binomtest(count, runs).proportion_ci(confidence, method="wilson")
-    return Share(count, runs, float(interval.low), float(interval.high), confidence)
+    reference = read_reference(path, array_shapes(result.names))
+    if not reference.columns:
+        raise UsageError(f"{path} has no column but the time")
+    if time_band is None:
+        time_band = max(_spacing(result.time), _spacing(reference.time))
+    elif not (np.isfinite(time_band) and time_band >= 0.0):
+        raise UsageError(f"the time band must not be negative, not {time_band} s")
+    band = Band(time_band, value_band)
+    return compare(result, reference, band), band
 
 
-def _check_confidence(confidence: float) -> None:
-    if not 0.0 < confidence < 1.0:
-        raise UsageError(f"the confidence must lie between 0 and 1, got {confidence!r}")
+def _spacing(time: Array) -> float:
+    gaps = np.diff(time)
+    gaps = gaps[gaps > 0.0]
+    return float(np.median(gaps)) if gaps.size else 0.0
+
+
+def compare(result: Result, reference: ReferenceTable, band: Band) -> tuple[Agreement, ...]:
+    """One `Agreement` for each column of the reference; raises `UsageError` where the result lacks
+    one."""
+    found = []
+    for name in reference.columns:
+        if name not in result:
+            raise UsageError(
+                f"{reference.path} has a column {name!r}, which was not recorded; "
+                f"{nearest(name, result.names)}"
+            )
+        numbers = reference.numbers(name)
+        if name in result.texts or numbers is None:
+            found.append(_texts(result, reference, name, band))
+        else:
+            found.append(_numbers(result, reference.time, numbers, name, band))
+    return tuple(found)
+
+
+def tube(
+    at: Array, time: Array, values: Array, band: float, width: float, held: bool
+) -> tuple[Array, Array]:
+    """The lower and upper edge, at the times `at`, of the tube around the trajectory (`time`,
+    `values`); `band` in s, `width` in the unit of the values. Shapes (n,)."""
+    first = np.searchsorted(time, at - band, "left")
+    last = np.searchsorted(time, at + band, "right")
+    low, high = np.empty(len(at)), np.empty(len(at))
+    ends = [_at(t, time, values, held) for t in (at - band, at + band)]
+    for i in range(len(at)):
+        window = values[first[i] : last[i]]
+        edges = (ends[0][i], ends[1][i])
+        low[i] = min(*edges, window.min()) if window.size else min(edges)
+        high[i] = max(*edges, window.max()) if window.size else max(edges)
+    return low - width, high + width
+
+
+def _at(at: Array, time: Array, values: Array, held: bool) -> Array:
+    if held:
+        index = np.searchsorted(time, at, "right") - 1
+        return np.asarray(values[np.clip(index, 0, len(values) - 1)])
+    return np.asarray(np.interp(at, time, values))
+
+
+def _numbers(result: Result, time: Array, values: Array, name: str, band: Band) -> Agreement:
+    held = not result.column(name).continuous
+    spread = float(values.max() - values.min()) or float(np.abs(values).max())
+    width = band.relative * spread + band.absolute
+    ours = (result.time, result.numbers(name))
+    dense, sparse = (ours, (time, values)) if len(ours[0]) > len(time) else ((time, values), ours)
+    judged = _overlap(sparse[0], dense[0], band)
+    at, own = sparse[0][judged], sparse[1][judged]
+    low, high = tube(at, *dense, band.time, width, held)
+    inside = (own >= low) & (own <= high)
+    distance = np.abs(own - _at(at, *dense, held))
+    return _agreement(name, at, inside, float(distance.max(initial=0.0)), band)
+
+
+def _texts(result: Result, reference: ReferenceTable, name: str, band: Band) -> Agreement:
+    judged = _overlap(result.time, reference.time, band)
+    at, cells = result.time[judged], reference.columns[name]
+    own = [str(one) for one in result[name][judged]]
+    inside = np.zeros(len(at), dtype=np.bool_)
+    for i, text in enumerate(own):
+        first = int(np.searchsorted(reference.time, at[i] - band.time, "right"))
+        last = int(np.searchsorted(reference.time, at[i] + band.time, "right"))
+        inside[i] = text in cells[max(first - 1, 0) : max(last, 1)]
+    return _agreement(name, at, inside, 0.0 if inside.all() else float("nan"), band)
+
+
+def _overlap(time: Array, reference: Array, band: Band) -> NDArray[np.bool_]:
+    inside = (time >= reference[0] - band.time) & (time <= reference[-1] + band.time)
+    return np.asarray(inside, dtype=np.bool_)
+
+
+def _agreement(
+    name: str, at: Array, inside: NDArray[np.bool_], largest: float, band: Band
+) -> Agreement:
+    count, total = int(np.count_nonzero(inside)), len(at)
+    first = None if count == total else float(at[int(np.argmin(inside))])
+    agrees = total > 0 and count >= band.share * total
+    return Agreement(name, total, count, largest, first, agrees)

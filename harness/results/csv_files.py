@@ -9,11 +9,15 @@ digits in double quotes; no unit row.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from harness.errors import RecordingError
-from harness.results.columns import TIME, Column
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.errors import RecordingError, UsageError
+from harness.results.columns import TIME, Column, element_names
 from harness.results.result import Result
 from harness.results.whole import whole
 
@@ -56,3 +60,53 @@ def write_csv_rows(file: IO[bytes], table: Any) -> None:
 
     plain = pa.table(list(map(shown, table.columns)), names=table.column_names)
     arrow_csv.write_csv(plain, file, arrow_csv.WriteOptions(include_header=False))
+
+
+@dataclass(frozen=True)
+class ReferenceTable:
+    """A trajectory to compare with: `time` (s, shape (n,)), `columns` of text by name."""
+
+    path: Path
+    time: NDArray[np.float64]
+    columns: dict[str, tuple[str, ...]]
+
+    def numbers(self, name: str) -> NDArray[np.float64] | None:
+        """A column as numbers (true and false as 1 and 0), None where it holds text."""
+        words = {"true": "1", "false": "0"}
+        try:
+            return np.array([float(words.get(c.lower(), c)) for c in self.columns[name]])
+        except ValueError:
+            return None
+
+
+def read_reference(path: Path, arrays: dict[str, tuple[int, ...]]) -> ReferenceTable:
+    """The table at `path`, read liberally; raises `HarnessError`. Columns of whole arrays (sizes
+    in `arrays`), their elements separated by spaces, become a column an element."""
+    from harness.instruments.csv_signal import plain_name, read_csv_table
+
+    table = read_csv_table(path, as_text=True)
+    columns: dict[str, tuple[str, ...]] = {}
+    for index, header in enumerate(table.names):
+        cells = tuple(cell or "" for cell in table.columns.column(index).to_pylist())
+        name = header if header in arrays else plain_name(header)
+        if name.lower() == TIME:
+            continue
+        shape = arrays.get(name, ())
+        split = _split(path, name, cells, shape)
+        columns |= dict(zip(element_names(name, shape), split, strict=True))
+    return ReferenceTable(path, table.seconds, columns)
+
+
+def _split(
+    path: Path, name: str, cells: Sequence[str], shape: tuple[int, ...]
+) -> list[tuple[str, ...]]:
+    if not shape:
+        return [tuple(cells)]
+    size = int(np.prod(shape))
+    rows = [cell.split() for cell in cells]
+    wrong = next((row for row in rows if len(row) != size), None)
+    if wrong is not None:
+        raise UsageError(
+            f"{path}: column {name!r} has a cell of {len(wrong)} elements, the array has {size}"
+        )
+    return [tuple(column) for column in zip(*rows, strict=True)]

@@ -1,7 +1,8 @@
 """What is measured of a control loop. Each figure is defined where it stands.
 
-Arrays have shape (n,): `time` t_k in seconds, increasing (not always evenly); `reference` r_k and
-`response` y_k in one unit; `control` u_k in its own. The error is e = r − y. A step goes from y_0
+Arrays have shape (n,): `time` t_k in seconds, not always evenly increasing; `reference` r_k and
+`response` y_k in one unit; `control` u_k in its own. At an event a time repeats: the row before it,
+then that after it. The error is e = r − y. A step goes from y_0
 (the reference before it) to y_1 (the reference after it), its size is Δ = y_1 − y_0, and times are
 counted from the step's own instant.
 
@@ -11,6 +12,8 @@ Choices that matter with noise:
 - settling looks at every sample, so that one outlier outside the band un-settles the response;
 - e, e² and t·|e| are integrated by the trapezoidal rule (error O(h²) between smooth samples);
   u is held between samples, so ∫u² is the exact sum of u_k²·(t_{k+1} − t_k);
+- at an event integrals have both sides and the time between them, none; extremes look at both,
+  means and what holds at the end at the value after it (`after_events`);
 - what cannot be said (a level never reached, never settled) is None, and never a large number.
 
 Where a reference has several steps, `segments` cuts it; see `harness.results.step_response`.
@@ -26,6 +29,11 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 
 Array = NDArray[np.float64]
+
+
+def after_events(time: Array) -> NDArray[np.bool_]:
+    """Which rows are the last of their time (shape (n,)): every row where there are no events."""
+    return np.append(np.diff(time) > 0.0, [True] * min(len(time), 1))
 
 
 def first_crossing(time: Array, response: Array, level: float, *, rising: bool) -> float | None:
@@ -162,7 +170,8 @@ def lost_loop(
     if not np.all(np.isfinite(response)):
         return True
     error = reference - response
-    end = final_window(time, window)
+    end = after_events(time)
+    end[: final_window(time, window).start] = False
     at_end = np.sqrt(np.mean(error[end] ** 2)) > limit * np.sqrt(np.mean(reference[end] ** 2))
     diverged = np.max(np.abs(error)) > divergence * np.max(np.abs(reference))
     return bool(at_end or diverged)

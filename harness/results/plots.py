@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,15 +18,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.errors import RecordingError, UsageError
-from harness.results.result import Result
 from harness.results.whole import whole
 
-Variants = Mapping[str, Result]
+if TYPE_CHECKING:
+    from harness.results.result import Result
+
+Variants = Mapping[str, "Result"]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
 LINE_STYLES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (4, 1.5, 1, 1.5)), (0, (1.5, 1)))
 REFERENCE_STYLE: dict[str, Any] = {"color": "black", "linestyle": (0, (3, 2)), "linewidth": 1.1}
+STEPS: dict[str, Any] = {"drawstyle": "steps-post"}
 WIDTH, PANEL_HEIGHT, DPI = 8.0, 2.3, 130
+MOST_CURVES = 5
+_LINE = 100  # letters that fit above a panel
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -67,12 +72,13 @@ def style_axes(axes: Axes) -> None:
 def legend(axes: Axes) -> None:
     """The legend above the panel, in one row where it fits, so that it hides no curve."""
     handles, labels = axes.get_legend_handles_labels()
+    room = _LINE // (max(map(len, labels), default=0) + 8)
     axes.legend(
         handles,
         labels,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=min(max(len(labels), 1), 5),
+        ncols=max(1, min(len(labels), room, 5)),
         frameon=False,
         fontsize="small",
         borderaxespad=0.2,
@@ -121,25 +127,19 @@ def overview_plot(
 def draw_response(axes: Axes, variants: Variants, response: str, reference: str | None) -> None:
     """Adds the responses, and the reference above them."""
     for index, (name, result) in enumerate(_some(variants).items()):
-        axes.plot(result.time, result[response], label=name, **line_style(index))
+        axes.plot(result.time, result.numbers(response), label=name, **line_style(index))
     first = next(iter(variants.values()))
     if reference is not None:
-        axes.plot(
-            first.time,
-            first[reference],
-            label="reference",
-            drawstyle="steps-post",
-            **REFERENCE_STYLE,
-        )
+        held = REFERENCE_STYLE | STEPS
+        axes.plot(first.time, first.numbers(reference), label="reference", **held)
     axes.set_ylabel(axis_label(_quantity(response), first.unit(response)))
 
 
 def draw_control(axes: Axes, variants: Variants, control: str) -> None:
     """Adds the controls as steps."""
     for index, (name, result) in enumerate(_some(variants).items()):
-        axes.plot(
-            result.time, result[control], label=name, drawstyle="steps-post", **line_style(index)
-        )
+        style = line_style(index) | STEPS
+        axes.plot(result.time, result.numbers(control), label=name, **style)
     first = next(iter(variants.values()))
     axes.set_ylabel(axis_label(_quantity(control), first.unit(control)))
 
@@ -148,7 +148,7 @@ def draw_error(axes: Axes, variants: Variants, response: str, reference: str) ->
     """Adds the errors and the line of no error."""
     axes.axhline(0.0, color="0.4", linewidth=0.8)
     for index, (name, result) in enumerate(_some(variants).items()):
-        error = result[reference] - result[response]
+        error = result.numbers(reference) - result.numbers(response)
         axes.plot(result.time, error, label=name, **line_style(index))
     unit = next(iter(variants.values())).unit(response)
     axes.set_ylabel(axis_label("error", unit))
@@ -163,13 +163,8 @@ def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -
         for index, (name, result) in enumerate(_some(variants).items()):
             if signal in result:
                 unit = result.unit(signal)
-                panel.plot(
-                    result.time,
-                    result[signal],
-                    label=name,
-                    drawstyle="steps-post",
-                    **line_style(index),
-                )
+                style = line_style(index) | STEPS
+                panel.plot(result.time, result.numbers(signal), label=name, **style)
         if unit is None:
             raise UsageError(f"no variant recorded {signal!r}; nothing can be drawn of it")
         panel.set_ylabel(axis_label(_quantity(signal), unit))
@@ -195,15 +190,23 @@ def legend_of_all(figure: Figure, axes: Iterable[Axes], columns: int = 5) -> Non
 
 
 def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Figure:
-    """The named signals of one run over time, a panel for each unit."""
-    units = list(dict.fromkeys(result.unit(name) for name in names))
-    if not units:
+    """The named signals of one run over time, a panel for each unit and at most 5 of its signals;
+    what is held is drawn as steps, and what jumps at an event as a jump."""
+    by_unit: dict[str, list[str]] = {}
+    for name in names:
+        by_unit.setdefault(result.unit(name), []).append(name)
+    if not by_unit:
         raise UsageError("no signal was named and none was recorded: nothing can be drawn")
-    figure, axes = panels(len(units), title)
-    for unit, panel in zip(units, axes, strict=True):
-        shown = [name for name in names if result.unit(name) == unit]
+    groups = [
+        (unit, found[first : first + MOST_CURVES])
+        for unit, found in by_unit.items()
+        for first in range(0, len(found), MOST_CURVES)
+    ]
+    figure, axes = panels(len(groups), title)
+    for (unit, shown), panel in zip(groups, axes, strict=True):
         for index, name in enumerate(shown):
-            panel.plot(result.time, result[name], label=name, **line_style(index))
+            style = line_style(index) | ({} if result.column(name).continuous else STEPS)
+            panel.plot(result.time, result.numbers(name), label=name, **style)
         panel.set_ylabel(axis_label("value" if len(shown) > 1 else _quantity(shown[0]), unit))
         legend(panel)
     figure.align_ylabels()
@@ -211,18 +214,20 @@ def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Fi
 
 
 def save_figures(folder: Path, figures: Mapping[str, Figure], suffix: str = ".png") -> list[Path]:
-    """Writes each figure as `<name><suffix>` into `folder` (made where missing); the paths."""
-    paths = []
-    for name, figure in figures.items():
-        path = folder / (name + suffix)
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with whole(path) as partial:
-                figure.savefig(partial)
-        except (OSError, ValueError) as fault:
-            raise RecordingError(f"cannot write the figure {path}: {fault}") from fault
-        paths.append(path)
-    return paths
+    """Writes each figure as `<name><suffix>` into `folder`; the paths."""
+    return [save_figure(folder / (name + suffix), figure) for name, figure in figures.items()]
+
+
+def save_figure(path: Path, figure: Figure) -> Path:
+    """Writes a figure to `path`, whose ending names the format and whose folder is made where
+    missing; raises `RecordingError`."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole(path) as partial:
+            figure.savefig(partial)
+    except (OSError, ValueError) as fault:
+        raise RecordingError(f"cannot write the figure {path}: {fault}") from fault
+    return path
 
 
 def _some(variants: Variants) -> Variants:

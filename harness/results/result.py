@@ -90,6 +90,11 @@ class Result:
 
     order = names
 
+    @property
+    def numeric(self) -> tuple[str, ...]:
+        """The names of the columns of `data`."""
+        return tuple(self._index)
+
     @cached_property
     def _columns(self) -> dict[str, Column]:
         return {column.name: column for column in self.columns}
@@ -161,4 +166,4 @@ class Result:
         """The named signals over time (all numbers where none is named), one panel a unit."""
         from harness.results.plots import signals_plot
 
-        return signals_plot(self, names or tuple(self._index), title=title)
+        return signals_plot(self, names or self.numeric, title=title)

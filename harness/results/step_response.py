@@ -90,11 +90,13 @@ def tracking_metrics(
     """The figures that any reference allows; `window` is the final share of the time that counts
     as steady state."""
     check_arrays(time, reference=reference, response=response, control=control)
-    end = metrics.final_window(time, window)
+    window_rows = metrics.final_window(time, window)
+    end = metrics.after_events(time)
+    end[: window_rows.start] = False
     return TrackingMetrics(
         steady_state_mean=metrics.steady_state_mean(reference[end], response[end]),
         steady_state_rms=metrics.steady_state_rms(reference[end], response[end]),
-        steady_state_max=metrics.steady_state_max(reference[end], response[end]),
+        steady_state_max=metrics.steady_state_max(reference[window_rows], response[window_rows]),
         iae=metrics.iae(time, reference, response),
         ise=metrics.ise(time, reference, response),
         itae=metrics.itae(time, reference, response),
@@ -144,10 +146,9 @@ def segment_metrics(
     """
     check_arrays(time, reference=reference, response=response, control=control)
     made = []
+    initial, final = 0.0, float(response[0])
     for part in segments(time, reference):
-        k = part.start
-        initial = float(response[0] if k == 0 else reference[k - 1])
-        final = float(reference[k])
+        initial, final = final, float(reference[part.start])
         if initial == final:
             continue
         t, y = time[part], response[part]
@@ -175,7 +176,9 @@ def segments(time: Array, reference: Array) -> tuple[slice, ...]:
     """
     changes = np.flatnonzero(np.diff(reference) != 0.0) + 1
     edges = [0, *changes.tolist(), len(reference)]
-    parts = tuple(slice(a, b) for a, b in pairwise(edges))
+    parts = tuple(
+        slice(a, b) for a, b in pairwise(edges) if b == len(time) or time[a] < time[b]
+    )  # what the reference only passes at an event belongs to no step
     for part in parts:
         if part.stop - part.start < SHORTEST_SEGMENT:
             raise UsageError(
@@ -187,12 +190,12 @@ def segments(time: Array, reference: Array) -> tuple[slice, ...]:
 
 
 def check_arrays(time: Array, **others: Array) -> None:
-    """All arrays have the length of `time`, at least 2, and the time increases."""
+    """All arrays have the length of `time`, at least 2, and the time does not decrease."""
     for name, values in others.items():
         if values.shape != time.shape:
             raise UsageError(
                 f"{name} has shape {values.shape}, but time has shape {time.shape}; metrics need "
                 "one value a sample"
             )
-    if len(time) < 2 or not np.all(np.diff(time) > 0.0):
-        raise UsageError("metrics need at least two samples at increasing times")
+    if len(time) < 2 or not (np.all(np.diff(time) >= 0.0) and time[-1] > time[0]):
+        raise UsageError("metrics need at least two samples at times that do not decrease")

@@ -31,7 +31,7 @@ def surfaces_plot(
 
     Raises `UsageError` where these two do not span a plane, since no surface stands on a line.
     """
-    x, y = (result[name] for name in over)
+    x, y = (result.numbers(name) for name in over)
     spread = np.linalg.svd(np.array([x - np.mean(x), y - np.mean(y)]), compute_uv=False)
     if not (np.all(np.isfinite(spread)) and spread[1] > 1e-6 * spread[0]):
         raise UsageError(
@@ -47,7 +47,8 @@ def surfaces_plot(
         figure.suptitle(title, fontsize="large")
     for place, name in enumerate(signals, 1):
         axes: Any = figure.add_subplot(rows, columns, place, projection="3d")
-        axes.plot_trisurf(x, y, result[name], cmap="viridis", linewidth=0.0, antialiased=True)
+        z = result.numbers(name)
+        axes.plot_trisurf(x, y, z, cmap="viridis", linewidth=0.0, antialiased=True)
         axes.view_init(*VIEW)
         axes.set_xlabel(_named(result, over[0]))
         axes.set_ylabel(_named(result, over[1]))

@@ -93,12 +93,12 @@ def _check_times(what: str, times: Sequence[float]) -> None:
 
 
 def _from_table(d: ModelDescription, table: CsvTable, notes: list[str]) -> list[Track]:
-    times = time_column(table)
+    times = tuple(table.seconds.tolist())
     columns: dict[str, list[Any]] = {}
     elements: dict[str, dict[int, list[Any]]] = {}
     for index, header in enumerate(table.names):
         name = header if header in d.variables else plain_name(header)
-        if index == _time_index(table) or name.lower() == "time":
+        if index == table.time_index or name.lower() == "time":
             continue
         cells = table.columns.column(index).to_pylist()
         found, element = find_target(d, name) or (None, None)
@@ -134,25 +134,3 @@ def _cell(table: CsvTable, v: Variable, cell: str | None, count: int) -> Sequenc
     if count == 1 and not v.dimensions:
         return (parse_value(v, cell),)
     return flat(parse_value(v, cell.strip(), count))
-
-
-def _time_index(table: CsvTable) -> int:
-    for index, name in enumerate(table.names):
-        if plain_name(name).lower() == "time":
-            return index
-    raise UsageError(
-        f"{table.path} has no column 'time', only {', '.join(map(repr, table.names[:12]))}"
-    )
-
-
-def time_column(table: CsvTable) -> tuple[float, ...]:
-    """The times (s) of a table that was read as text; raises `UsageError`."""
-    cells = table.columns.column(_time_index(table)).to_pylist()
-    try:
-        times = tuple(float(cell) for cell in cells)
-    except (TypeError, ValueError) as fault:
-        raise UsageError(f"{table.path}: a cell of the column 'time' is no number") from fault
-    if not times:
-        raise UsageError(f"{table.path} has a header but no rows of values")
-    _check_times(str(table.path), times)
-    return times

@@ -7,7 +7,6 @@ becomes the column `instance.time`, as in a system.
 from __future__ import annotations
 
 import fnmatch
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -19,7 +18,7 @@ from harness.fmi.binding.groups import grouped
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.values import flat
 from harness.fmi.description.model_description import ModelDescription, Variable
-from harness.results.columns import TIME, Column, bare_name, check_columns
+from harness.results.columns import TIME, Column, bare_name, check_columns, element_names
 from harness.results.manifest import Manifest
 from harness.results.result import Result
 
@@ -63,14 +62,6 @@ def _matching(variables: Sequence[Variable], pattern: str) -> list[Variable]:
     return [v for v in variables if fnmatch.fnmatchcase(v.name, literal)]
 
 
-def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
-    """The names of the columns of a variable: its own, or one for each element."""
-    if not shape:
-        return [name]
-    places = itertools.product(*(range(1, size + 1) for size in shape))
-    return [f"{name}[{','.join(map(str, place))}]" for place in places]
-
-
 @dataclass
 class Rows:
     """Rows as they were read: a block of numbers or texts for each group of variables. It holds
@@ -111,7 +102,8 @@ class Rows:
         columns, read = [], []
         for v, name, values in self._columns():
             known = bare_name(self.instance, name), v.unit or "1", v.description
-            column = Column(*known, _COLUMN_TYPES.get(v.type, "integer"))
+            held = v.variability != "continuous"
+            column = Column(*known, _COLUMN_TYPES.get(v.type, "integer"), held)
             columns.append(column)
             read.append(values if column.dtype is None else np.array(values, column.dtype))
         time = np.array(self.times, dtype=np.float64)

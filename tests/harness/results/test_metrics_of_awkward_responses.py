@@ -98,7 +98,7 @@ def test_what_is_no_step_or_no_array_is_refused() -> None:
         segment_metrics(T, np.sin(T), T, T)
     with pytest.raises(UsageError, match=r"control has shape \(3,\)"):
         tracking_metrics(T, ONE, ONE, np.ones(3))
-    with pytest.raises(UsageError, match="increasing times"):
+    with pytest.raises(UsageError, match="at times that do not decrease"):
         tracking_metrics(ONE, ONE, ONE, ONE)
     with pytest.raises(UsageError, match=r"share of the time in \(0, 1\], got 0"):
         tracking_metrics(T, ONE, ONE, ONE, window=0)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from harness.errors import UsageError
-from harness.results.comparison import paired_difference, share
+from harness.results.intervals import paired_difference, share
 
 
 def test_the_t_interval_is_that_of_the_paired_test() -> None:

@@ -1,4 +1,4 @@
-"""Rows of watched variables compared bit by bit, in words."""
+"""Which watched variables became infinite or NaN."""
 
 from __future__ import annotations
 
@@ -6,24 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.inspection.subject import Array, Subject
-
-
-def same(a: Array, b: Array) -> bool:
-    """Whether two runs agree to the last bit."""
-    return a.shape == b.shape and a.tobytes() == b.tobytes()
-
-
-def difference(subject: Subject, expected: Array, found: Array) -> str:
-    """The first difference of two runs that are not the same."""
-    if expected.shape != found.shape:
-        return f"{len(found)} steps until the FMU ends the run instead of {len(expected)}"
-    unequal = expected.view(np.uint64) != found.view(np.uint64)
-    row = int(np.argmax(unequal.any(axis=1)))
-    column = int(np.argmax(unequal[row]))
-    return (
-        f"{subject.labels[column]} is {found[row, column]:.17g} instead of "
-        f"{expected[row, column]:.17g} after step {row + 1}"
-    )
 
 
 def not_finite(subject: Subject, first: Array, rows: Array) -> NDArray[np.bool_]:

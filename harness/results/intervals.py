@@ -1,0 +1,123 @@
+"""Comparing variants over many seeds: paired differences of means, and shares, with intervals.
+
+Pairing: value i of both variants comes from the same seed, so that both met the same noise; the
+interval is that of the differences, which is narrower than that of two separate samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from harness.errors import UsageError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PairedDifference:
+    """Mean of first − second over `pairs` pairs with its interval [`low`, `high`] at `confidence`.
+
+    `left_out` counts the pairs without a number on either side (such as "never settled"); read
+    the mean with them in mind.
+    """
+
+    mean: float
+    low: float
+    high: float
+    confidence: float
+    pairs: int
+    left_out: int
+    method: str
+
+    @property
+    def distinct(self) -> bool:
+        """Whether the interval excludes 0."""
+        return self.low > 0.0 or self.high < 0.0
+
+
+def paired_difference(
+    first: Sequence[float | None] | Array,
+    second: Sequence[float | None] | Array,
+    *,
+    confidence: float = 0.95,
+    method: str = "t",
+    resamples: int = 10_000,
+    seed: int = 0,
+) -> PairedDifference:
+    """The mean difference first − second of paired values, in their unit.
+
+    `method` "t": mean ± t_{n−1}·s/√n, exact for normal differences, good for many pairs.
+    "bootstrap": the percentile interval of `resamples` resampled means (seeded), for skewed or
+    heavy-tailed differences. Values that are None, NaN or infinite leave their pair out.
+    """
+    if len(first) != len(second):
+        raise UsageError(f"pairs were expected, got {len(first)} values and {len(second)}")
+    _check_confidence(confidence)
+    a, b = np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)
+    finite = np.isfinite(a) & np.isfinite(b)
+    d = a[finite] - b[finite]
+    if len(d) < 2:
+        raise UsageError(f"at least 2 pairs of numbers are needed, got {len(d)} of {len(a)}")
+    mean = float(np.mean(d))
+    if method == "t":
+        error = float(np.std(d, ddof=1)) / np.sqrt(len(d))
+        half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(d) - 1)) * error
+        low, high = mean - half, mean + half
+    elif method == "bootstrap":
+        low, high = _percentile_interval(d, confidence, resamples, seed)
+    else:
+        raise UsageError(f"the method must be 't' or 'bootstrap', got {method!r}")
+    return PairedDifference(
+        mean, float(low), float(high), confidence, len(d), len(a) - len(d), method
+    )
+
+
+def _percentile_interval(
+    d: Array, confidence: float, resamples: int, seed: int
+) -> tuple[float, float]:
+    random = np.random.Generator(np.random.PCG64(seed))
+    means = np.array([d[random.integers(len(d), size=len(d))].mean() for _ in range(resamples)])
+    tail = 0.5 * (1.0 - confidence)
+    low, high = np.quantile(means, [tail, 1.0 - tail])
+    return float(low), float(high)
+
+
+@dataclass(frozen=True)
+class Share:
+    """`count` of `runs` with the Wilson interval [`low`, `high`] of the share at `confidence`."""
+
+    count: int
+    runs: int
+    low: float
+    high: float
+    confidence: float
+
+    @property
+    def share(self) -> float:
+        """count/runs."""
+        return self.count / self.runs
+
+
+def share(happened: Sequence[bool], *, confidence: float = 0.95) -> Share:
+    """The share of runs in which something happened.
+
+    The Wilson interval, with z the normal quantile and p = count/n:
+    (p + z²/2n ± z·√(p(1 − p)/n + z²/4n²)) / (1 + z²/n); it stays within [0, 1] and is honest
+    for 0 of n too.
+    """
+    _check_confidence(confidence)
+    if len(happened) == 0:
+        raise UsageError("a share needs at least one run, got none")
+    count, runs = int(np.count_nonzero(happened)), len(happened)
+    interval = stats.binomtest(count, runs).proportion_ci(confidence, method="wilson")
+    return Share(count, runs, float(interval.low), float(interval.high), confidence)
+
+
+def _check_confidence(confidence: float) -> None:
+    if not 0.0 < confidence < 1.0:
+        raise UsageError(f"the confidence must lie between 0 and 1, got {confidence!r}")
