@@ -18,9 +18,9 @@ from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
+    from harness.participants.settings import Request
     from harness.results.comparison import Agreement
     from harness.results.result import Result
-    from harness.simulation.settings import Request
 
 Number = float | None
 
@@ -76,8 +76,8 @@ def simulate_command(
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
     from harness.fmi.fmu import Fmu
     from harness.fmi.start_values import parse_assignment
-    from harness.simulation.cross_check import find_cross_check, read_options
-    from harness.simulation.settings import Request
+    from harness.participants.settings import Request
+    from harness.results.cross_check import find_cross_check, read_options
 
     given = Request(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
@@ -142,8 +142,8 @@ def _filled(given: Request, options: Request, path: Path) -> Request:
 
 def _recorded(opened: Fmu, reference: Path) -> list[str]:
     """The default outputs and the columns of the reference."""
+    from harness.master.recorded import select
     from harness.results.csv_files import read_reference
-    from harness.simulation.outputs import select
 
     d = opened.description
     known = [v.name for v in select(d, None)]
@@ -154,7 +154,7 @@ def _recorded(opened: Fmu, reference: Path) -> list[str]:
 
 
 def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> Result:
-    from harness.simulation.simulate import simulate
+    from harness.simulate import simulate
 
     with bar() as shown:
         task = shown.add_task(opened.description.name, total=1.0)

@@ -6,8 +6,10 @@ A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the oth
 
 from __future__ import annotations
 
-CYCLE, INSTANT, ROWS, OPERATION, RETURNED = range(5)
-"""Indices into `clock`, the loop's own state, which the caller keeps between calls."""
+CYCLE, INSTANT, ROWS, OPERATION, RETURNED, RESUMED = range(6)
+CLOCK_SIZE = 6
+"""Indices into `clock`, the loop's own state, which the caller keeps between calls. RESUMED is 1 +
+the number of the instant at whose operation to go on, or 0."""
 
 UNTOUCHED = -1.7976931348623157e308
 """What stands in place of the last successful time until an FMU has written it."""
@@ -73,6 +75,8 @@ OUT_OF_RANGE = 5
 """a number does not fit into the C type of the input that it is written to"""
 NOT_CONVERGED = 6
 """a repetition came to no end"""
+FULL = 7
+"""there is no room for more rows: to be called again, after they have been taken away"""
 
 ASKED = 64
 """What a called participant adds to an outcome, to tell it from a status of FMI."""

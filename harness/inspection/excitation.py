@@ -20,7 +20,7 @@ from harness.fmi.description.model_description import (
     ModelDescription,
     Variable,
 )
-from harness.simulation.inputs import Inputs, Track
+from harness.participants.tracks import Inputs, Track
 
 _MOVE = 0.05  # of an input's scale
 _HOLD = 3  # steps between the changes of what is no real number

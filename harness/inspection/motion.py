@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from harness.errors import FmuError, HarnessError, SimulationError
 from harness.fmi.binding.continuous import ContinuousPart
 from harness.fmi.binding.instance import CO_SIMULATION, DISCARD, FmuInstance
+from harness.participants.clocks import Clocks
 from harness.participants.grid import is_close
-from harness.simulation.clocks import Clocks
+from harness.participants.settings import SOLVER_TOLERANCE
 from harness.simulation.cvode import Cvode
 from harness.simulation.events import EventHandler, EventOutcome
 from harness.simulation.outputs import Recorder
-from harness.simulation.settings import SOLVER_TOLERANCE
 
 if TYPE_CHECKING:
     from harness.inspection.subject import Subject

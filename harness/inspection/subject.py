@@ -16,8 +16,8 @@ from harness.fmi.description.model_description import NUMERIC_TYPES, REAL_TYPES,
 from harness.fmi.fmu import Fmu
 from harness.inspection.excitation import moving_inputs
 from harness.inspection.motion import Array, Motion, motion_of
-from harness.simulation.inputs import Inputs
-from harness.simulation.settings import Request, settle
+from harness.participants.settings import Request, settle
+from harness.participants.tracks import Inputs
 
 __all__ = ["Array", "Motion", "Subject"]
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.compiler import operations as op
+
 if TYPE_CHECKING:
     from harness.master.program.link import Program
 
@@ -25,7 +27,7 @@ class Host:
     long steps tell their time (s) in `reached`, and look into `stop_asked` whether to end."""
 
     def __init__(self) -> None:
-        self.clock: NDArray[np.int64] = np.zeros(5, dtype=np.int64)
+        self.clock: NDArray[np.int64] = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
         self.reached: NDArray[np.float64] | None = None
         self.stop_asked: NDArray[np.int64] | None = None
         self._times: Times = np.empty(0)

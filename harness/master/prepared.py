@@ -28,7 +28,7 @@ from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.check import check
-from harness.system.graph import Component, FmuComponent, PythonComponent, System
+from harness.system.graph import Component, Endpoint, FmuComponent, PythonComponent, System
 
 Echo = Callable[[str, LogMessage], None]
 StartValues = Mapping[str, Mapping[str, Any]]
@@ -38,7 +38,7 @@ StartValues = Mapping[str, Mapping[str, Any]]
 class PreparedSystem:
     """A planned system with its FMUs open; a context manager that closes them."""
 
-    def __init__(self, system: System, record: Sequence[str] = ("*",)) -> None:
+    def __init__(self, system: System, record: Sequence[str | Endpoint] = ("*",)) -> None:
         """Open, check and plan; raises `HarnessError`."""
         self._stack = ExitStack()
         with ExitStack() as stack:
@@ -85,7 +85,8 @@ class PreparedSystem:
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:
             outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
-            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
+            reason = "" if outcome.fault is None else str(outcome.fault)
+            result = recording.finish(reason, notes=outcome.notes)
         if outcome.fault is not None:
             outcome.fault.result = result
             raise outcome.fault

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 
-from harness.errors import GraphError, nearest
-from harness.fmi.description.model_description import ModelDescription
+from harness.errors import GraphError, UsageError, nearest
+from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.fmu import Fmu
 from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import cells_of
 from harness.results.columns import Column, bare_name
-from harness.system.check import inputs_of, outputs_of
+from harness.system.check import inputs_of, outputs_of, port_info
 from harness.system.graph import Endpoint, FmuComponent, System
 
 _TYPES = {
@@ -22,13 +22,15 @@ _TYPES = {
 
 
 def recorded_ports(
-    system: System, descriptions: Mapping[str, ModelDescription], patterns: tuple[str, ...]
+    system: System,
+    descriptions: Mapping[str, ModelDescription],
+    patterns: tuple[str | Endpoint, ...],
 ) -> tuple[Endpoint, ...]:
     """FMU outputs and connected inputs, block inputs and outputs that match a pattern.
 
     A pattern with no wildcard may also name any local variable of an FMU, or an array, which is
-    recorded element by element. Raises `GraphError`
-    where a pattern matches nothing.
+    recorded element by element. A port in place of a pattern is recorded whatever it is. Raises
+    `GraphError` where a pattern matches nothing.
     """
     wired = {c.target for c in system.connections}
     offered: list[Endpoint] = []
@@ -47,6 +49,10 @@ def recorded_ports(
         offered += [*readable, *inputs]
     chosen: dict[Endpoint, None] = {}
     for pattern in patterns:
+        if isinstance(pattern, Endpoint):
+            names = descriptions[pattern.component].whole(pattern.variable)
+            chosen.update(dict.fromkeys(Endpoint(pattern.component, name) for name in names))
+            continue
         every = [*offered, *exact]
         found = [end for end in every if pattern in (str(end), str(end).partition("[")[0])]
         found = found or [end for end in offered if fnmatchcase(str(end), pattern)]
@@ -65,9 +71,14 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     ports = {
         Endpoint(c.name, name): info
         for c in system.components
+        if not isinstance(c, FmuComponent)
         for known in (inputs_of(c, descriptions), outputs_of(c, descriptions))
         for name, info in known.items()
     }
+    for end in [*plan.recorded, *(end for pair in sources.items() for end in pair)]:
+        d = descriptions.get(end.component)
+        if d is not None:
+            ports[end] = port_info(d.port(end.variable), d)
 
     cells = cells_of(plan.lowered, descriptions)
 
@@ -96,3 +107,36 @@ def column_type(d: ModelDescription, name: str) -> str:
     if kind == "Enumeration" and d.fmi_major == 3:
         return "int64"
     return _TYPES.get(kind, "integer")
+
+
+def select(d: ModelDescription, patterns: Sequence[str] | None) -> tuple[Variable, ...]:
+    """The variables to record: those that match one of `patterns` (exact names, or with * and
+    ?), or the outputs, or the states of an FMU without outputs, or else its local variables.
+    Raises `UsageError` for a pattern that matches nothing."""
+    usable = [v for v in d.variables.values() if v.causality != "independent"]
+    if patterns is None:
+        states = {name for name, _ in d.states}
+        for chosen in (
+            [v for v in usable if v.causality == "output"],
+            [v for v in usable if v.name in states],
+            [v for v in usable if v.causality == "local" and v.variability != "constant"],
+        ):
+            if chosen:
+                return tuple(chosen)
+        return tuple(usable)
+    found: dict[str, Variable] = {}
+    for pattern in patterns:
+        named = d.variables.get(pattern)
+        matching = [named] if named is not None else _matching(usable, pattern)
+        if not matching:
+            raise UsageError(
+                f"nothing to record matches {pattern!r}: "
+                f"{nearest(pattern, [v.name for v in usable])}"
+            )
+        found |= {v.name: v for v in matching if v.causality != "independent"}
+    return tuple(found.values())
+
+
+def _matching(variables: Sequence[Variable], pattern: str) -> list[Variable]:
+    literal = pattern.replace("[", "[[]")  # brackets are part of names here
+    return [v for v in variables if fnmatchcase(v.name, literal)]

@@ -13,13 +13,14 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler import operations as op
-from harness.compiler.operations import CYCLE, INSTANT, ROWS
+from harness.compiler.operations import CYCLE, INSTANT, OPERATION, ROWS
 from harness.errors import EndRequestedError, HarnessError
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
@@ -43,6 +44,7 @@ from harness.system.lowering import DelayComponent, lower
 
 _FIRST_CHUNK = 64
 _CHUNK_SECONDS = 0.05
+_EVENT_ROWS = 4096  # room for rows at events in each chunk
 _SKIPPED = 4096  # cycles whose samples are drawn at once when a run begins in the middle
 
 Progress = Callable[[float], None]
@@ -70,7 +72,9 @@ class Outcome:
     notes: tuple[str, ...] = ()
 
 
-def plan_system(system: System, fmus: Mapping[str, Fmu], record: tuple[str, ...] = ("*",)) -> Plan:
+def plan_system(
+    system: System, fmus: Mapping[str, Fmu], record: tuple[str | Endpoint, ...] = ("*",)
+) -> Plan:
     """Check, lower and plan; `record` are patterns of the signals to record."""
     descriptions = descriptions_of(system, fmus)
     system = expand_arrays(system, descriptions)
@@ -107,11 +111,14 @@ def execute(
             fault = run.loop(progress)
         except HarnessError as caught:
             fault = caught
+        if isinstance(fault, EndRequestedError) and system.single:
+            fault = None
+            run.notes.append(f"the FMU asked to end the simulation at t = {run.last:.9g} s")
         if fault is None or isinstance(fault, EndRequestedError):
             for participant in run.participants.values():
                 participant.terminate()
     end = system.stop_ns if fault is None else run.reached
-    notes = tuple(note for p in run.participants.values() for note in p.notes)
+    notes = (*run.notes, *(note for p in run.participants.values() for note in p.notes))
     return Outcome(end, fault, time.perf_counter() - began, notes)
 
 
@@ -126,6 +133,8 @@ class _Run:
         self.system = plan.lowered.system
         self.participants: dict[str, Participant] = {}
         self.program: Program | None = None
+        self.notes: list[str] = []
+        self.last = self.system.seconds(self.system.start_ns)
 
     @property
     def reached(self) -> int:
@@ -175,6 +184,21 @@ class _Run:
         for participant in self.participants.values():
             participant.leave_initialization(start)
 
+    def _observe(self, name: str, time: float) -> None:
+        """Record a row at an event of an FMU inside a step; there is room."""
+        assert self.program is not None
+        program, row = self.program, int(self.program.clock[ROWS])
+        instant, slots = program.events[name]
+        clock = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
+        times, rows = self._times[row : row + 1], self._rows[row : row + 1]
+        span = (0, 0, 1, 1)
+        outcome = _call(program, instant, _Samples(program), span, rows, times, clock, slots)
+        if outcome != op.OK:
+            program.clock[OPERATION] = clock[OPERATION]
+            raise explain(program, outcome)
+        times[0] = time
+        program.clock[ROWS] = row + 1
+
     def loop(self, progress: Progress | None) -> HarnessError | None:
         """Run all cycles, chunk by chunk; what ended them early."""
         assert self.program is not None
@@ -183,8 +207,9 @@ class _Run:
         n_cycles = (self.system.stop_ns - self.system.start_ns) // cycle_ns + 1
         rows_per_cycle = cycle_ns // record_ns
         samples = _Samples(program)
+        self._spare = _EVENT_ROWS if program.events else 0
         most = max(host.chunk_rows(len(program.recorded)), rows_per_cycle)
-        host.most_rows(most, len(program.recorded))
+        host.most_rows(most + self._spare, len(program.recorded))
         chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
         cycle = host.begin(program)
         samples.skip(cycle)
@@ -203,23 +228,45 @@ class _Run:
                 chunk = max(1, min(2 * chunk, most // rows_per_cycle))
             else:
                 chunk = max(1, chunk // 2)
+        for _ in program.tail[:1]:
+            program.clock[CYCLE] = 0
+            outcome = self._chunk(samples, 1, len(program.tail), program.tail)
+            if outcome != op.OK:
+                return explain(program, outcome)
         return None
 
-    def _chunk(self, samples: _Samples, until: int, n_rows: int) -> int:
+    def _chunk(
+        self, samples: _Samples, until: int, n_rows: int, instants: NDArray[np.int64] | None = None
+    ) -> int:
         """Run to cycle `until`, and hand over the rows."""
+        assert self.program is not None
+        program, outcome = self.program, op.FULL
+        while outcome == op.FULL:
+            outcome = self._part(
+                samples, until, n_rows, program.instants if instants is None else instants
+            )
+        return outcome
+
+    def _part(self, samples: _Samples, until: int, n_rows: int, instants: NDArray[np.int64]) -> int:
+        """Until all is done or there is no room for more rows."""
         assert self.program is not None
         program, host, system = self.program, self.host, self.system
         program.clock[ROWS] = 0
-        times, rows = host.room(n_rows, len(program.recorded))
+        columns = len(program.recorded)
+        self._times, self._rows = host.room(n_rows + self._spare, columns)
+        for name in program.events:
+            program.fmus[name].observe(partial(self._observe, name), len(self._times))
         span = (system.start_ns, system.stop_ns, program.plan.cycle_ns, until)
         host.loop(True)
         try:
-            return _call(program, program.instants, samples, span, rows, times)
+            return _call(program, instants, samples, span, self._rows, self._times)
         finally:
             host.loop(False)
             done = program.clock[ROWS]
             if done:
-                self.recorder.append(times[:done], rows[:done])
+                times, rows = _sorted(self._times[:done], self._rows[:done])
+                self.last = float(times[-1])
+                self.recorder.append(times, rows)
 
 
 class _Samples:
@@ -256,6 +303,17 @@ class _Samples:
             self.values = np.concatenate(parts)
 
 
+def _sorted(
+    times: NDArray[np.float64], rows: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Rows in the order of time: participants step one after the other, so events of one may come
+    before those that another one has recorded already."""
+    if (np.diff(times) >= 0.0).all():
+        return times, rows
+    order = np.argsort(times, kind="stable")
+    return times[order], rows[order]
+
+
 def _call(
     program: Program,
     instants: NDArray[np.int64],
@@ -263,19 +321,21 @@ def _call(
     span: tuple[int, int, int, int],
     rows: NDArray[np.float64] | None = None,
     times: NDArray[np.float64] | None = None,
+    clock: NDArray[np.int64] | None = None,
+    recorded: NDArray[np.int64] | None = None,
 ) -> int:
     outcome: int = run_cycles(
         program.code,
         instants,
         np.array((*span, program.plan.lowered.system.ticks_per_second), dtype=np.int64),
-        program.clock,
+        program.clock if clock is None else clock,
         program.v,
         program.copies,
         program.scales,
         samples.values,
         samples.cursors,
         program.memory.exchange,
-        program.recorded,
+        program.recorded if recorded is None else recorded,
         np.empty((0, len(program.recorded))) if rows is None else rows,
         np.empty(0) if times is None else times,
     )

@@ -80,21 +80,26 @@ class _Group:
 class Access:
     """Makes the rows for one instance."""
 
-    def __init__(self, name: str, instance: FmuInstance, memory: Memory) -> None:
+    def __init__(
+        self, name: str, instance: FmuInstance, memory: Memory, allow_not_finite: bool = False
+    ) -> None:
         """`name` is that of the component."""
+        self.allow_not_finite = allow_not_finite
         self.name, self.instance, self.memory = name, instance, memory
         self.description = instance.description
         self.fault: BaseException | None = None
 
     def read(self, variables: Sequence[str], view: View = "present") -> Iterator[Row]:
-        """Get variables into their slots; reals must be finite."""
+        """Get variables into their slots; reals must be finite. What depends on a clock is read
+        when that ticks, by whoever lets it tick."""
+        variables = [name for name in variables if not self._clocked(name)]
         for group in self._groups(variables, view):
             yield from self._rows("Get", group)
             last = group.first + len(group.ends)
             if group.negated:
                 slots = range(group.first, last)
                 yield self.memory.copy(slots, slots, [(-1.0, 0.0)] * len(slots))
-            if group.kind in (FLOAT64, op.FLOAT32):
+            if group.kind in (FLOAT64, op.FLOAT32) and not self.allow_not_finite:
                 yield [op.CHECK, group.first, last]
 
     def write(self, variables: Sequence[str]) -> Iterator[Row]:
@@ -122,6 +127,10 @@ class Access:
         for ((suffix, kind), negated, _), group in groupby(enumerate(ends), key=neighbours):
             members = tuple(end for _, end in group)
             yield _Group(suffix, kind, negated, members, slot(members[0]))
+
+    def _clocked(self, name: str) -> bool:
+        port = self.description.port(name)
+        return port.type == "Clock" or bool(port.details.clocks)
 
     def references(self, ends: Sequence[Endpoint]) -> Any:
         """The value references of ports, uint32: of an array one for all of its elements."""

@@ -1,30 +1,129 @@
-"""Co-simulation of FMI 1, 2 and 3: a step is one call of the FMU's doStep by address."""
+"""Co-simulation of FMI 1, 2 and 3.
+
+As a rule a step is one call of the FMU's doStep by address, with nothing of Python in it. Where
+there is more to do, a callback does it: event mode and early return of FMI 3, clocks, inputs that
+are functions of time, and steps that are divided because the FMU discards them. Then a
+communication step is taken in parts, to the next event of inputs or clocks where the FMU takes
+steps of any size, and both sides of an event become rows.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from harness.compiler import operations as op
-from harness.fmi.binding.instance import FmuInstance
+from harness.errors import EndRequestedError, FmuError, SimulationError
+from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.fmi.binding.interface import CO_SIMULATION
-from harness.participants.fmu import FmuParticipant
-from harness.participants.memory import Row
+from harness.participants import context as x
+from harness.participants.clocks import has_input_clocks
+from harness.participants.divided_steps import MOST_HALVINGS, Stepper
+from harness.participants.driven import DrivenParticipant
+from harness.participants.events import ENDED, FULL
+from harness.participants.grid import is_close
+from harness.participants.memory import Memory, Row
+from harness.participants.participant import Participant
 from harness.system.graph import Endpoint
 
+_FAILED = 3
+_MOST_EVENTS_AT_ONCE = 1000
+_NO_TICKS = "the FMU's clocks never tick: co-simulation is done without event mode"
 
-class CoSimulation(FmuParticipant):
+
+class CoSimulation(DrivenParticipant):
     """An FMU that brings its own solver."""
 
     kind = CO_SIMULATION
+    steps = True
 
     def instantiate(self) -> FmuInstance:
-        """Without event mode and without early return."""
+        """With event mode where the FMU has it; some claim one that they do not have."""
+        asked = self.component.policy.event_mode
+        if asked is False or not self.capabilities.has_event_mode:
+            return self._without_events()
+        try:
+            return self.made(event_mode=True, early_return=True)
+        except FmuError as refused:
+            if asked:
+                raise
+            instance = self.made()
+            without = f"co-simulation is done without event mode, since: {refused}"
+            self.notes.append(without)
+            return instance
+
+    def _without_events(self) -> FmuInstance:
+        if self.description.fmi_major == 3 and has_input_clocks(self.description):
+            self.notes.append(_NO_TICKS)
         return self.made()
 
+    @property
+    def has_events(self) -> bool:
+        """Whether the FMU is in event mode after its initialisation."""
+        return self.instance.event_mode
+
+    def enter_initialization(self, start: float, stop: float | None) -> None:
+        """As any FMU; from here on it is known what a step takes."""
+        super().enter_initialization(start, stop)
+        divides = self.component.policy.discarded_steps == "divide"
+        self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
+        timed = self.inputs.continuous or self.inputs.held
+        self._direct = not (self.instance.event_mode or timed or divides)
+        self._in_event, self._near, self._last = False, 0, float("nan")
+        self._flags = np.zeros(2, dtype=np.int64)
+        self._given: dict[int, int] = {}
+        self._continuous: dict[int, bool] = {}
+        self._clock_inputs: dict[str, int] = {}
+        self._resumed = start
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """Bind the callbacks."""
+        super().link(memory, participants)
+        d, p = ctypes.c_double, ctypes.c_int64
+        self._advancing = ctypes.CFUNCTYPE(ctypes.c_int, p, d, d)(self._call)
+        self._writing = ctypes.CFUNCTYPE(ctypes.c_int)(self._begin_write)
+
+    def leave_initialization(self, time: float) -> None:
+        """Exit initialisation mode."""
+        super().leave_initialization(time)
+        if not self.has_events:
+            self.clocks.inputs.clear()
+
+    # rows
+
+    def write(self, inputs: Sequence[str]) -> Iterator[Row]:
+        """Set inputs: with event mode, discrete ones in an event, and only where they changed."""
+        if not self.instance.event_mode:
+            yield from super().write(inputs)
+            return
+        d, slot = self.description, self.memory.slot
+        rest: tuple[list[str], list[str]] = ([], [])
+        for name in inputs:
+            v = d.variable(d.owner(name))
+            at = slot(Endpoint(self.name, name), "present")
+            if v.type == "Clock":
+                self._clock_inputs[name] = at
+                continue
+            steady = v.variability == "continuous"
+            rest[0 if steady else 1].append(name)
+            for one in d.whole(name):
+                place = slot(Endpoint(self.name, one), "present")
+                self._given.setdefault(place, -1)
+                self._continuous[place] = steady
+        yield [op.CALL_4, ctypes.cast(self._writing, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
+        for names, flag in zip(rest, (0, 8), strict=True):
+            rows = list(super().write(names))
+            yield [op.SKIP, int(self._flags.ctypes.data) + flag, len(rows)]
+            yield from rows
+
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
-        """One doStep."""
+        """One doStep, or what does more."""
+        if not self._direct:
+            address = ctypes.cast(self._advancing, ctypes.c_void_p).value or 0
+            yield [op.STEP_CALL, address, 0, ticks]
+            return
         head = [self.instance.address("DoStep"), self.instance.handle or 0, ticks]
         if self.instance.prefix != "fmi3":
             # FMI 1 is told that this is a new step, FMI 2 that the state before is not needed
@@ -43,3 +142,136 @@ class CoSimulation(FmuParticipant):
         references = self.memory.held(self.access.references(ends))
         values = self.memory.address(slots[0])
         yield [op.CALL_5, *head, references, len(ends), self.memory.held(orders), values]
+
+    # steps in Python
+
+    def _call(self, unused: int, start: float, target: float) -> int:
+        try:
+            if self._room[0] < int(self.memory.clock[op.ROWS]) + 2:
+                return FULL
+            self._resumed = max(start, self._resumed)
+            return self._to(min(self._resumed, target), target)
+        except EndRequestedError as fault:
+            self.fault = fault
+            return ENDED
+        except BaseException as fault:
+            self.fault = fault
+            return _FAILED
+
+    def advance(self, start: float, target: float) -> None:
+        """The same step outside the loop; raises `HarnessError`."""
+        self._to(start, target)
+
+    def _to(self, time: float, target: float) -> int:
+        self.hook.forget_ticks()
+        if self._in_event:
+            self._handle(time)
+        while time < target:
+            time = self._resumed = self._part(time, target)
+            if self._room[0] < int(self.memory.clock[op.ROWS]) + 2 and time < target:
+                return FULL
+        return 0
+
+    def _part(self, time: float, target: float) -> float:
+        """Step to the next communication point or event, and handle that; the time reached."""
+        goal = target
+        if self.capabilities.can_handle_variable_step:
+            goal = min(target, self.hook.next_event(time))
+        if self.instance.event_mode:
+            self.inputs.apply_continuous(self.instance, time, after=True)
+        else:
+            self.inputs.apply(self.instance, time)
+        outcome, planned = self._stepper.advance(time, goal)
+        if outcome.discarded:
+            self._discarded(time, outcome)
+        early = outcome.time < planned and not is_close(outcome.time, planned, planned - time)
+        reached = outcome.time if early else planned
+        if early and not self.instance.early_return:
+            raise FmuError(
+                f"component {self.name}: the step from t = {time:.9g} s to {planned:.9g} s ended "
+                f"at {outcome.time:.9g} s, though no early return was allowed"
+            )
+        self._after(time, reached, target, outcome, early)
+        return reached
+
+    def _after(
+        self, time: float, reached: float, target: float, outcome: StepOutcome, early: bool
+    ) -> None:
+        """Rows and events at the end of a part; the row at the communication point is the
+        loop's."""
+        jump = self.inputs.next_event(time) == reached
+        event = self.instance.event_mode and (
+            outcome.event_needed or self.hook.next_event(time) <= reached
+            or self.inputs.jumped(reached)
+        )  # fmt: skip
+        if outcome.terminate or event or ((early or jump) and reached < target):
+            self.hook.observe(reached)
+        if outcome.terminate:
+            raise self._ended(reached)
+        if event:
+            self.instance.enter_event_mode()
+            self._in_event = True
+            self._handle(reached)
+            if reached < target:
+                self.hook.observe(reached)
+
+    def _handle(self, time: float) -> None:
+        """Iterate the event at which the FMU is in event mode."""
+        self._near = self._near + 1 if is_close(time, self._last, 1e-3) else 0
+        self._last, self._in_event = time, False
+        if self._near > _MOST_EVENTS_AT_ONCE:
+            raise SimulationError(
+                f"component {self.name}: {self.words(x.CHATTERING, 0, f't = {time:.9g} s')}"
+            )
+        self.hook.begin_event(time)
+        settle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double)
+        status = settle(self._settle.address)(self.context.address, time)
+        if status == ENDED:
+            self.hook.observe(time)
+        self.check(status)
+
+    def _discarded(self, time: float, outcome: StepOutcome) -> None:
+        if outcome.terminate:
+            if outcome.time > time:
+                self.hook.observe(outcome.time)
+            raise self._ended(outcome.time)
+        can = self.capabilities
+        way_out = "the FMU cannot go back, so try a smaller --step-size"
+        if can.can_handle_variable_step and can.can_get_and_set_fmu_state:
+            way_out = f"so were {MOST_HALVINGS} smaller ones, each half as long as the one before"
+        raise SimulationError(
+            f"component {self.name}: the step at t = {time:.9g} s was discarded (computed up to "
+            f"{outcome.time:.9g} s): {self.instance.log.reasons()}; {way_out}"
+        )
+
+    def _ended(self, time: float) -> EndRequestedError:
+        return EndRequestedError(
+            f"component {self.name}: the FMU asked for the end of the run at t = {time:.9g} s: "
+            f"{self.instance.log.reasons()}"
+        )
+
+    def _begin_write(self) -> int:
+        """Which inputs have changed since they were set; discrete ones and clocks need an event."""
+        try:
+            wide, continuous = self.memory.wide, self._continuous
+            self._flags[:] = 0
+            for place, before in self._given.items():
+                now = int(wide[place])
+                if now != before:
+                    self._given[place] = now
+                    self._flags[0 if continuous[place] else 1] = 1
+            ticking = [n for n, at in self._clock_inputs.items() if self.memory.v[at] != 0.0]
+            self.hook.triggered = tuple(ticking)
+            started = self.context.cells[x.UPDATE] != 0
+            if (self._flags[1] or ticking) and started and not self._in_event:
+                self.instance.enter_event_mode()
+                self._in_event = True
+        except BaseException as fault:
+            self.fault = fault
+            return _FAILED
+        return 0
+
+    def close(self) -> None:
+        """Give the snapshot of divided steps back, too."""
+        self._stepper.close()
+        super().close()

@@ -25,6 +25,8 @@ from harness.participants.participant import Participant
 from harness.system.graph import FmuComponent
 from harness.system.policy import capabilities_of, interface_of, tolerance_of
 
+Observer = Callable[[float], None]
+"""Records a row at a time (s) inside a step."""
 _KINDS: dict[InterfaceType, type[FmuParticipant]] = {}
 
 
@@ -58,6 +60,7 @@ class FmuParticipant(Participant):
         """Instantiate; raises `FmuError`."""
         super().__init__(component.name)
         self.component, self.fmu, self.around = component, fmu, around
+        self.notes: list[str] = []
         self.description = fmu.description
         self.capabilities = capabilities_of(component.policy, fmu.description)
         self.tolerance = tolerance_of(component.policy, fmu.description)
@@ -80,16 +83,21 @@ class FmuParticipant(Participant):
 
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """Set start values, and enter initialisation mode."""
+        self.set_start_values()
+        self.instance.enter_initialization_mode(start, stop, self.tolerance)
+
+    def set_start_values(self) -> None:
+        """Judge and set what the user gave."""
         given, validate = self.component.start_values, self.component.policy.validate
         judged = judge_start_values(self.description, given, component=self.name, validate=validate)
-        self.notes = (*self.notes, *judged.notes)
+        self.notes += judged.notes
         apply_start_values(self.instance, judged)
-        self.instance.enter_initialization_mode(start, stop, self.tolerance)
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Prepare access to variables."""
         super().link(memory, participants)
-        self.access = Access(self.name, self.instance, memory)
+        allow = self.component.policy.allow_not_finite
+        self.access = Access(self.name, self.instance, memory, allow)
 
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode."""
@@ -100,7 +108,7 @@ class FmuParticipant(Participant):
         try:
             self.instance.terminate()
         except FmuError as fault:
-            self.notes = (*self.notes, str(fault))
+            self.notes.append(str(fault))
 
     def close(self) -> None:
         """Give back the snapshot and the instance."""
@@ -108,6 +116,10 @@ class FmuParticipant(Participant):
             self.instance.free_state(ctypes.c_void_p(int(self._place[0])))
         self._place[0] = 0
         self.instance.free()
+
+    def observe(self, observer: Observer, room: int) -> None:
+        """From now on `observer` records rows at events inside steps, of which there is `room` for
+        so many; an FMU without such events needs none."""
 
     def explained(self, status: int) -> BaseException | None:
         """What Python has found, also in an access to texts."""

@@ -137,6 +137,14 @@ class Memory:
         self.lives.append(array)
         return int(array.ctypes.data)
 
+    def has(self, end: Endpoint) -> bool:
+        """Whether a port has a slot."""
+        try:
+            self.slot(end, "present")
+        except KeyError:
+            return False
+        return True
+
     def store(self, end: Endpoint, value: Any, view: View = "present") -> None:
         """Put a Python value into the slot of a port."""
         slot, cell = self.slot(end, view), self.cell(end)

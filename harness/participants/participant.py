@@ -33,7 +33,7 @@ class Participant:
 
     fault: BaseException | None = None
     """What ended a call of this participant, where it came from Python."""
-    notes: tuple[str, ...] = ()
+    notes: Sequence[str] = ()
     """What had to be derived, left out or done otherwise in this run."""
 
     def __init__(self, name: str) -> None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # a simulation without a loop does not wait for the compiler
     from harness.process.checkpoint import Snapshot
     from harness.results.columns import Column
     from harness.results.manifest import FmuRecord
-    from harness.system.graph import System
+    from harness.system.graph import Endpoint, System
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Job:
     to begin with."""
 
     system: System
-    record: tuple[str, ...] = ("*",)
+    record: tuple[str | Endpoint, ...] = ("*",)
     needed: tuple[str, ...] = ()
     logging: bool = False
     every: float | None = None

@@ -19,14 +19,14 @@ from harness.process.supervisor import Supervised, supervise
 from harness.results.manifest import Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
-from harness.system.graph import System
+from harness.system.graph import Endpoint, System
 
 
 def run_supervised(
     system: System,
     folder: Path | None = None,
     *,
-    record: Sequence[str] = ("*",),
+    record: Sequence[str | Endpoint] = ("*",),
     limits: Limits | None = None,
     progress: Progress | None = None,
     echo: Echo | None = None,
@@ -65,7 +65,8 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
         assert fault is not None
         raise fault
     if fault is None:
-        result = found.recording.finish()
+        notes = found.outcome.notes if found.outcome is not None else ()
+        result = found.recording.finish(notes=notes)
         if folder is not None:
             (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
         return result
@@ -76,7 +77,8 @@ def conclude(found: Supervised, folder: Path | None) -> Result:
             fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {status.until or 0.0:.9g} s")
         raise fault
     try:
-        result = found.recording.finish(_reason(fault), keep_stream=resumable)
+        notes = found.outcome.notes if found.outcome is not None else ()
+        result = found.recording.finish(_reason(fault), keep_stream=resumable, notes=notes)
     except HarnessError as second:  # a full disk; the rows that were written stay in their stream
         if isinstance(fault, HarnessError):
             raise fault from second

@@ -39,7 +39,7 @@ def _load_loop() -> None:
         np.zeros((0, op.WIDTH), dtype=np.int64),
         np.zeros((0, 3), dtype=np.int64),
         np.zeros(5, dtype=np.int64),
-        np.zeros(5, dtype=np.int64),
+        np.zeros(op.CLOCK_SIZE, dtype=np.int64),
         real,
         np.zeros((0, 3), dtype=np.int64),
         np.zeros((0, 2)),

@@ -182,15 +182,18 @@ class Recording:
             except OSError as fault:
                 raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
 
-    def finish(self, reason: str = "", *, keep_stream: bool = False) -> Result:
+    def finish(
+        self, reason: str = "", *, keep_stream: bool = False, notes: Sequence[str] = ()
+    ) -> Result:
         """Ends the recording and gives the result; with a `reason` the run is incomplete, and the
-        stream may be kept beside the results, to be `continued`.
+        stream may be kept beside the results, to be `continued`. `notes` join the manifest's.
 
         A second call gives the same result.
         """
         if self.result is not None:
             return self.result
         self._set_status(reason)
+        self._manifest = replace(self._manifest, notes=(*self._manifest.notes, *notes))
         if self.folder is None:
             self.result = self._from_memory()
         else:

@@ -53,7 +53,7 @@ def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, Po
     """The variables of a component that may be the source of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in _ports(d) if v.causality in _READABLE}
+        return {v.name: port_info(v, d) for v in _ports(d) if v.causality in _READABLE}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.outputs
@@ -64,7 +64,7 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     """The variables of a component that may be the target of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: _info(v, d) for v in _ports(d) if _writable(v)}
+        return {v.name: port_info(v, d) for v in _ports(d) if _writable(v)}
     return {
         s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
         for s in component.inputs
@@ -90,18 +90,18 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
         hint = nearest(system.algebraic_loops, ALGEBRAIC_LOOPS)
         yield f"algebraic_loops {system.algebraic_loops!r} is unknown; {hint}"
     yield from _convergence_faults(system.convergence)
-    if system.stop_ns <= system.start_ns:
+    if system.stop_ns <= system.start_ns and not system.single:
         yield f"stop time {show(system.stop_ns)} is not after start time {show(system.start_ns)}"
     for name, count in Counter(c.name for c in system.components).items():
         if count > 1:
             yield f"component name {name!r} is used {count} times; names must be unique"
     names = [c.name for c in system.components]
     run_ns = system.stop_ns - system.start_ns
-    if 0 < run_ns < system.record_ns:
+    if 0 < run_ns < system.record_ns and not system.single:
         yield f"record step {show(system.record_ns)} is longer than the run of {show(run_ns)}"
     for component in system.components:
         if isinstance(component, FmuComponent):
-            if 0 < run_ns < component.step_ns:
+            if 0 < run_ns < component.step_ns and not system.single:
                 yield (
                     f"component {component.name}: step {show(component.step_ns)} is longer than "
                     f"the run of {show(run_ns)}"
@@ -253,7 +253,8 @@ def _writable(v: Variable) -> bool:
     return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
 
 
-def _info(v: Variable, d: ModelDescription) -> PortInfo:
+def port_info(v: Variable, d: ModelDescription) -> PortInfo:
+    """What a variable of an FMU is as a port."""
     start = 0.0
     if v.type in NUMERIC_TYPES and v.start is not None and not v.shape:
         text = str(v.start).lower()

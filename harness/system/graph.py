@@ -22,13 +22,15 @@ from harness.system.policy import Policy
 @dataclass(frozen=True)
 class FmuComponent:
     """An FMU instance: `step_ns` is its communication step, `start_values` are set before
-    initialisation, `policy` says how it is run."""
+    initialisation, `policy` says how it is run. `inputs` are functions of time that the FMU is
+    given also inside its steps: see `participants.track_data.read_inputs`."""
 
     name: str
     path: Path
     step_ns: int
     start_values: Mapping[str, Any] = field(default_factory=dict)
     policy: Policy = field(default_factory=Policy)
+    inputs: Any = None
 
 
 @dataclass(frozen=True)

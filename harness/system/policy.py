@@ -12,6 +12,7 @@ event_mode      of FMI 3 co-simulation: used where the FMU has it; early return 
 discarded_steps "divide": a step that the FMU discards is repeated in halves, where it can go back;
                 "fail": it ends the run. An FMU alone divides; one of several fails, since what the
                 others are given would be held for longer than the system says
+allow_not_finite NaN and infinity in outputs are values like others; otherwise they end the run
 validate        faults of the description end the run; without, those that let it be read are notes
 
 An FMU that asks for the end of the simulation ends it: alone that is a complete run, in a system a
@@ -57,6 +58,7 @@ class Policy:
     event_mode: bool | None = None
     discarded_steps: str = "fail"
     validate: bool = True
+    allow_not_finite: bool = False
 
 
 def interface(name: str | None, d: ModelDescription) -> InterfaceType:

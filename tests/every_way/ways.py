@@ -16,7 +16,7 @@ from harness import Bench, Fmu, simulate
 from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
-from harness.simulation.input_data import read_inputs
+from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
 from tests.every_way.plain_driver import SECOND, Job, Steps, drive
 

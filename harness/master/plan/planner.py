@@ -17,7 +17,7 @@ It refuses loops of blocks without delay, and loops of direct feedthrough where 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import networkx as nx
@@ -34,6 +34,7 @@ from harness.master.plan.actions import (
     Read,
     Record,
     Sample,
+    Step,
     Transfer,
     Write,
 )
@@ -58,6 +59,7 @@ from harness.system.graph import (
     SignalComponent,
 )
 from harness.system.lowering import DelayComponent, LoweredSystem, Wire
+from harness.system.policy import capabilities_of
 
 
 @dataclass(frozen=True)
@@ -65,9 +67,11 @@ class Plan:
     """The schedule of one cycle, and what initialises a run.
 
     Instants at which the same things are due share one tuple of actions. `initial` propagates
-    values once, before the first cycle; `read` and `written` are the FMU
-    ports that the plan touches, each in the order in which they should lie in memory; `recorded`
-    are the columns of a row. `notes` are sentences for the user on what was chosen for him.
+    values once, before the first cycle; `read` and `written` are the FMU ports that the plan
+    touches, each in the order in which they should lie in memory; `recorded` are the columns of a
+    row. `events` record a row at an event inside a step of an FMU, by its name; `tail` are
+    instants, counted from the start, after the last whole step. `notes` are sentences for the
+    user on what was chosen for him.
     """
 
     lowered: LoweredSystem
@@ -77,12 +81,16 @@ class Plan:
     read: tuple[Endpoint, ...]
     written: tuple[Endpoint, ...]
     recorded: tuple[Endpoint, ...]
+    events: Mapping[str, tuple[Action, ...]] = field(default_factory=dict)
+    tail: tuple[Instant, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
     def actions(self) -> tuple[Action, ...]:
         """All actions of the initialisation and of the distinct instants."""
-        return (*self.initial, *(action for actions in self.patterns for action in actions))
+        groups = [self.initial, *self.patterns, *self.events.values()]
+        groups += [instant.actions for instant in self.tail]
+        return tuple(action for actions in groups for action in actions)
 
     @property
     def patterns(self) -> tuple[tuple[Action, ...], ...]:
@@ -143,8 +151,30 @@ class _Planner:
             tuple(end for stage in self.stages for end in stage.every_output),
             self.written,
             self.recorded,
+            dict(self._events()),
+            tuple(self._tail()),
             (*self.held.values(), *self.rates.notes),
         )
+
+    def _events(self) -> Iterator[tuple[str, tuple[Action, ...]]]:
+        """What records a row at an event inside a step of each FMU."""
+        read = {end for stage in self.stages for end in stage.every_output}
+        own = by_component(end for end in self.recorded if end in read)
+        for name, outputs in own.items():
+            yield name, (Read(name, outputs, "event"), Record())
+
+    def _tail(self) -> Iterator[Instant]:
+        """The end of a run of one FMU whose stop time is no communication point."""
+        system = self.system
+        length = system.stop_ns - system.start_ns
+        (fmu,) = self.lowered.fmus if system.single else (None,)
+        if fmu is None or length % fmu.step_ns == 0:
+            return
+        if not capabilities_of(fmu.policy, self.descriptions[fmu.name]).can_handle_variable_step:
+            return
+        first = length - length % fmu.step_ns
+        yield Instant(first, (Step(fmu.name, length - first),))
+        yield Instant(length, (*self._staged(self.stages, {fmu.name: 0}), Record()))
 
     # order
 

@@ -14,6 +14,7 @@ from harness.errors import TimingError
 from harness.fmi.description.model_description import ModelDescription
 from harness.system.graph import Component, FmuComponent, SampledComponent, SensitivityComponent
 from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
+from harness.system.policy import capabilities_of
 
 MAX_INSTANTS = 1_000_000
 
@@ -100,9 +101,7 @@ class Rates:
             )
         joined = tuple(sorted({offset for name in group for offset in self.grid[name]}))
         for name in group:
-            capabilities = self.descriptions[name].co_simulation
-            fixed = capabilities is not None and not capabilities.can_handle_variable_step
-            if fixed and self.grid[name] != joined:
+            if not self._variable(name) and self.grid[name] != joined:
                 raise TimingError(
                     f"a delayed value arrives between the steps of FMUs that step together "
                     f"with {name}, whose FMU takes steps of {show(*steps)} only; use a delay "
@@ -126,15 +125,21 @@ class Rates:
         more = ", …" if len(grid) > 4 else ""
         return f"{name} at {', '.join(map(show, grid[:4]))}{more}"
 
+    def _variable(self, name: str) -> bool:
+        """Whether an FMU takes steps of any size."""
+        policy = self.fmus[name].policy
+        return capabilities_of(policy, self.descriptions[name]).can_handle_variable_step
+
     def _communication_offsets(self, fmu: FmuComponent) -> tuple[int, ...]:
         offsets = set(range(0, self.cycle_ns, fmu.step_ns))
-        capabilities = self.descriptions[fmu.name].co_simulation
+        fixed = not self._variable(fmu.name)
+        if self.system.single and not fixed:
+            offsets |= set(range(0, self.cycle_ns, self.system.record_ns))
         for wire in self.wires_to[fmu.name]:
             source = self.by_name[wire.source.component]
             if not isinstance(source, DelayComponent):
                 continue
             arrivals = set(self.sample_offsets(source))
-            fixed = capabilities is not None and not capabilities.can_handle_variable_step
             if fixed and arrivals - set(range(0, self.cycle_ns, fmu.step_ns)):
                 raise TimingError(
                     f"{wire.source} arrives between the steps of {fmu.name}, whose FMU takes steps "
@@ -161,6 +166,8 @@ class Rates:
             )
 
     def _check_stop(self) -> None:
+        if self.system.single:
+            return
         length = self.system.stop_ns - self.system.start_ns
         common = common_cycle(fmu.step_ns for fmu in self.fmus.values())
         nearest_ns = self.system.start_ns + max(1, round(length / common)) * common

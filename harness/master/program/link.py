@@ -18,6 +18,7 @@ from harness.master.plan.actions import (
     Action,
     Blend,
     Compute,
+    Instant,
     Iterate,
     Keep,
     Linearise,
@@ -52,7 +53,9 @@ class Program:
     """A linked plan: what `loop.run_cycles` takes, and whose operation each row is.
 
     `initial` is the one instant that propagates values during initialisation, `instants` are
-    those of a cycle; instants that share their actions share their rows. `owners[i]` is the action
+    those of a cycle, `tail` those after the last one; instants that share their actions share their
+    rows. `events` has, by name of an FMU, the instant that records a row at one of its events, and
+    the slots of that row. `owners[i]` is the action
     behind row i of `code`.
     """
 
@@ -64,6 +67,8 @@ class Program:
     code: NDArray[np.int64] = field(init=False)
     instants: NDArray[np.int64] = field(init=False)
     initial: NDArray[np.int64] = field(init=False)
+    tail: NDArray[np.int64] = field(init=False)
+    events: dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]] = field(default_factory=dict)
     copies: NDArray[np.int64] = field(init=False)
     scales: NDArray[np.float64] = field(init=False)
     owners: list[Action] = field(default_factory=list)
@@ -140,7 +145,9 @@ class _Linker:
             self.memory.store(end, value)
         rows: list[Row] = []
         spans: dict[int, tuple[int, int]] = {}
-        for actions in (self.plan.initial, *self.plan.patterns):
+        plan = self.plan
+        tail = [instant.actions for instant in plan.tail]
+        for actions in (plan.initial, *plan.patterns, *plan.events.values(), *tail):
             first = len(rows)
             for action in actions:
                 for row, owner in self.operations(action):
@@ -150,11 +157,21 @@ class _Linker:
         program.code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
         for i, row in enumerate(rows):
             program.code[i, : len(row)] = row
-        program.initial = np.array([(0, *spans[id(self.plan.initial)])], dtype=np.int64)
-        program.instants = np.array(
-            [(instant.offset_ns, *spans[id(instant.actions)]) for instant in self.plan.instants],
-            dtype=np.int64,
-        ).reshape(-1, 3)
+
+        def table(instants: Iterable[Instant]) -> NDArray[np.int64]:
+            found = [(instant.offset_ns, *spans[id(instant.actions)]) for instant in instants]
+            return np.array(found, dtype=np.int64).reshape(-1, 3)
+
+        program.initial = table([Instant(0, plan.initial)])
+        program.instants, program.tail = table(plan.instants), table(plan.tail)
+        for name, actions in plan.events.items():
+            read = {e for a in actions if isinstance(a, Read) for e in self._read(a)}
+            slots = [
+                self.layout.slot(end, "event" if end in read else "present")
+                for end in plan.recorded
+            ]
+            columns = np.array(slots, dtype=np.int64)
+            program.events[name] = table([Instant(0, actions)]), columns
         program.copies, program.scales = self.memory.copies
         return program
 
@@ -230,6 +247,9 @@ class _Linker:
         if kind in INTEGER_TYPES:
             return op.ROUND
         return {"Boolean": op.TRUTH, "Float32": op.SINGLE}.get(kind, op.EXACT)
+
+    def _read(self, action: Read) -> list[Endpoint]:
+        return [Endpoint(action.component, name) for name in action.outputs]
 
     def _ports(self, action: Action) -> int:
         """Room that an action may need in the exchange buffer, in cells."""

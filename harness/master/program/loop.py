@@ -18,7 +18,7 @@ import numpy as np
 from harness.compiler import operations as op
 from harness.compiler.calls import call_status, load_int64
 from harness.compiler.machine_code import compiled
-from harness.compiler.operations import CYCLE, INSTANT, OPERATION, RETURNED, ROWS
+from harness.compiler.operations import CYCLE, INSTANT, OPERATION, RESUMED, RETURNED, ROWS
 from harness.master.program.exchange import convert, decode, encode
 
 _WARNING = 1  # the highest FMI status with which a run goes on
@@ -35,7 +35,7 @@ def run_cycles(
     instants   int64 (n_instants, 3): offset in the cycle in ns, first and last operation
     span       int64 (5,): start, stop, length of a cycle, number of the cycle to stop before, and
                ticks in a second: a tick, the unit of all times, is a nanosecond or a part of it
-    clock      int64 (5,): see `CYCLE` and its fellows; on a fault it names the operation
+    clock      int64 (6,): see `CYCLE` and its fellows; on a fault it names the operation
     v          float64 (n_slots,): every signal of the system
     copies     int64 (n_copies, 3): source and destination slot, conversion; scales (n_copies, 2):
                factor, offset
@@ -46,13 +46,17 @@ def run_cycles(
     """
     start, stop, cycle_ns, last_cycle = span[0], span[1], span[2], span[3]
     ticks, wide = float(span[4]), v.view(np.int64)
+    resumed = clock[RESUMED]
+    clock[RESUMED] = 0
     while clock[CYCLE] < last_cycle:
-        for instant in range(instants.shape[0]):
+        for instant in range(max(0, resumed - 1), instants.shape[0]):
             now = start + clock[CYCLE] * cycle_ns + instants[instant, 0]
             if now > stop:
                 break
             clock[INSTANT] = now
             o, end = instants[instant, 1], instants[instant, 2]
+            if resumed > 0:
+                o, resumed = clock[OPERATION], 0
             while o < end:
                 clock[OPERATION] = o
                 # one by one: a view of the row would cost atomic reference counting
@@ -87,6 +91,9 @@ def run_cycles(
                             return op.NOT_FINITE
                 elif code == op.RECORD:
                     row = clock[ROWS]
+                    if row >= rows.shape[0]:
+                        clock[RESUMED] = instant + 1
+                        return op.FULL
                     for column in range(recorded.shape[0]):
                         rows[row, column] = v[recorded[column]]
                     row_times[row] = now / ticks
@@ -115,6 +122,8 @@ def run_cycles(
                 elif code == op.STEP_CALL:
                     if now + c <= stop:
                         status = call_status(a, (b, now / ticks, (now + c) / ticks))
+                        if status == op.ASKED + op.FULL:
+                            clock[RESUMED] = instant + 1
                         if status >= op.ASKED:
                             return int(status - op.ASKED)
                 elif code == op.SKIP:

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import SimulationError
-from harness.participants.model_exchange import context as x
-from harness.participants.model_exchange.context import Context
+from harness.participants import context as x
+from harness.participants.context import Context
 from harness.participants.model_exchange.equations import callbacks
 
 _MOST_ATTEMPTS = 10_000

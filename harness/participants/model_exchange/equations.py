@@ -13,22 +13,13 @@ from numba import types
 
 from harness.compiler.calls import call_status, load_float64, load_int64, store_float64
 from harness.compiler.machine_code import cached_callback, compiled
-from harness.participants.model_exchange import context as x
-from harness.participants.model_exchange.context import get, put, put_real
+from harness.participants import context as x
+from harness.participants.context import failed, get
 
 _WARNING = 1
 _DISCARD = 2
 _TINY = 1e-300
 _CONTENT_DATA = 16  # bytes into the content of SUNDIALS' serial vectors and dense matrices
-
-
-@compiled
-def failed(c: int, what: int, status: int, time: float) -> int:
-    """Remember what failed; its status."""
-    put(c, x.FAILED, what)
-    put(c, x.STATUS, status)
-    put_real(c, x.FAILED_AT, time)
-    return status
 
 
 @compiled

@@ -14,9 +14,9 @@ import numpy as np
 
 from harness.compiler.calls import load_float64, load_int64, store_float64
 from harness.compiler.machine_code import compiled
-from harness.participants.model_exchange import context as x
-from harness.participants.model_exchange.context import get, put, put_real, real
-from harness.participants.model_exchange.equations import derivatives, failed, indicators
+from harness.participants import context as x
+from harness.participants.context import failed, get, put, put_real, real
+from harness.participants.model_exchange.equations import derivatives, indicators
 
 _A = np.array(
     [

@@ -23,105 +23,20 @@ from harness.compiler import operations as op
 from harness.compiler.calls import (
     call_status,
     load_float64,
-    load_int32,
     load_int64,
-    load_uint8,
     store_float64,
     store_int64,
 )
 from harness.compiler.machine_code import cached_callback, compiled
-from harness.participants.model_exchange import context as x
+from harness.participants import context as x
+from harness.participants.context import failed, get, put, put_real, real
+from harness.participants.events import ENDED, FULL, full, hook, plain, settle
 from harness.participants.model_exchange import explicit
-from harness.participants.model_exchange.context import get, put, put_real, real
-from harness.participants.model_exchange.equations import failed, move, vector
+from harness.participants.model_exchange.equations import move, vector
 
-_ENDED = op.ASKED + op.TERMINATED
 _ONE_STEP, _ROOT_RETURN = 2, 2
 _CLOSE = 2.0**-49  # eight units in the last place
-_MOST_ITERATIONS = 1000
 _MOST_EVENTS_AT_ONCE = 1000
-
-
-@compiled
-def hook(c: int, what: int, time: float) -> int:
-    """Call Python where it is wanted; 0 where it is not."""
-    if get(c, x.WANTED) & what == 0:
-        return 0
-    return call_status(get(c, x.HOOK), (what, time))
-
-
-@compiled
-def plain(c: int, function: int, what: int, time: float) -> int:
-    """Call a function of the instance alone, where there is one."""
-    if get(c, function) == 0:
-        return 0
-    status = call_status(get(c, function), (get(c, x.HANDLE),))
-    return failed(c, what, status, time) if status > 1 or status < 0 else 0
-
-
-@compiled
-def update(c: int, time: float) -> int:
-    """One iteration of the discrete states; what it said lies in INFO: five int64 (iterate again,
-    end, nominals changed, states changed, next time known), then the next time event (s)."""
-    info = get(c, x.INFO)
-    raw, version, function = info + 48, get(c, x.VERSION), get(c, x.UPDATE)
-    if version == 3:
-        r = raw + 8
-        flags = (get(c, x.HANDLE), r, r + 1, r + 2, r + 3, r + 4, raw)
-        status = call_status(function, flags)
-    elif version == 2:
-        status = call_status(function, (get(c, x.HANDLE), raw))
-    else:
-        status = call_status(function, (get(c, x.HANDLE), 0, raw))
-    if status > 1 or status < 0:
-        return failed(c, x.AT_UPDATE, status, time)
-    for i in range(5):
-        if version == 3:
-            value = int(load_uint8(raw + 8 + i))
-        elif version == 2:
-            value = int(load_int32(raw + 4 * i))
-        else:  # converged, references of the states, their values, end, next time known
-            value = int(load_uint8(raw + i))
-        store_int64(info + 8 * i, value)
-    if version == 1:
-        store_int64(info, 1 - min(1, load_int64(info)))
-        nominals, end = load_int64(info + 8), load_int64(info + 24)
-        values = load_int64(info + 16)
-        store_int64(info + 8, end)
-        store_int64(info + 16, nominals)
-        store_int64(info + 24, values)
-    at = raw if version == 3 else raw + 24 if version == 2 else raw + 8
-    store_float64(info + 40, load_float64(at))
-    return 0
-
-
-@compiled
-def settle(c: int, time: float) -> int:
-    """Iterate the discrete states of an FMU in event mode, and leave it; remembers in INFO whether
-    states or nominals have changed."""
-    info = get(c, x.INFO)
-    nominals, values = 0, 0
-    for _ in range(_MOST_ITERATIONS):
-        status = hook(c, x.TICK, time)
-        if status == 0:
-            status = update(c, time)
-        if status != 0:
-            return status
-        nominals |= load_int64(info + 16)
-        values |= load_int64(info + 24)
-        if load_int64(info + 8) != 0:
-            return _ENDED
-        more = hook(c, x.MORE_TICKS, time)
-        if more > 1 or more < 0:
-            return more
-        if load_int64(info) == 0 and more == 0:
-            store_int64(info + 16, nominals)
-            store_int64(info + 24, values)
-            ahead = load_float64(info + 40) if load_int64(info + 32) != 0 else math.inf
-            put_real(c, x.EVENT_TIME, ahead)
-            put(c, x.IN_EVENT, 0)
-            return plain(c, x.LEAVE_EVENTS, x.AT_LEAVE, time)
-    return failed(c, x.UNSETTLED, x.FAULT, time)
 
 
 @compiled
@@ -239,7 +154,7 @@ def finish_step(c: int, target: float) -> int:
         asked = word & 0xFF
         if get(c, x.VERSION) != 1 and (word >> 32) & 0xFF != 0:
             status = hook(c, x.BEFORE_EVENT, time)
-            return status if status != 0 else _ENDED
+            return status if status != 0 else ENDED
     due = time >= min(real(c, x.EVENT_TIME), real(c, x.HOOK_TIME))
     if time >= real(c, x.KINK_TIME):
         status = hook(c, x.PLAN, time)
@@ -252,7 +167,7 @@ def finish_step(c: int, target: float) -> int:
     status = hook(c, x.BEFORE_EVENT, time)
     if status == 0:
         status = event(c, time)
-    if status == _ENDED or (status == 0 and time < target):
+    if status == ENDED or (status == 0 and time < target):
         after = hook(c, x.AFTER_EVENT, time)
         status = after if after != 0 else status
     return status
@@ -303,7 +218,7 @@ def between(c: int, time: float) -> int:
 @compiled
 def advance(c: int, start: float, target: float) -> int:
     """From the communication point `start` to `target` (s); 0, or what `explain` makes words of."""
-    status = 0
+    status = hook(c, x.BEGIN, start)
     if get(c, x.IN_EVENT) != 0:
         status = event(c, start)
     elif get(c, x.INITIALISING) != 0:  # after a return to a snapshot
@@ -312,6 +227,8 @@ def advance(c: int, start: float, target: float) -> int:
     while status == 0:
         time = real(c, x.TIME)
         if time <= target and get(c, x.UNFINISHED) != 0:
+            if full(c):
+                return FULL
             status = finish_step(c, target)
             continue
         if time >= target:
@@ -357,17 +274,12 @@ def _begin_write(w: int, unused: int) -> int:
     return begin_write(w)
 
 
-def _settle(c: int, time: float) -> int:
-    return settle(c, time)
-
-
 _I, _F = types.int64, types.float64
 
 
-def entries() -> tuple[Any, Any, Any]:
-    """C functions: advance(context, start, end), begin_write(place, 0), settle(context, time)."""
+def entries() -> tuple[Any, Any]:
+    """The C functions advance(context, start, end) and begin_write(place, 0)."""
     return (
         cached_callback(_advance, types.int32(_I, _F, _F)),
         cached_callback(_begin_write, types.int32(_I, _I)),
-        cached_callback(_settle, types.int32(_I, _F)),
     )

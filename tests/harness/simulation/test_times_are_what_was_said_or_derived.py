@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.participants.grid import Grid
-from harness.simulation.settings import Request, Settings, derived, settle
+from harness.participants.settings import Request, Settings, derived, settle
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 
 

@@ -18,19 +18,17 @@ import math
 from dataclasses import dataclass, replace
 
 from harness.errors import UsageError
-from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE, InterfaceType, capabilities
+from harness.fmi.binding.interface import (
+    MODEL_EXCHANGE,
+    InterfaceType,
+    capabilities,
+)
 from harness.fmi.description.model_description import ModelDescription
 from harness.participants.grid import exact
+from harness.system.policy import SOLVERS, interface
 
-SOLVER_TOLERANCE = 1e-6
-SOLVERS = ("cvode", "euler")
 MOST_STEPS = 10_000
 _DERIVED_ROWS = 500
-
-_ALIASES: dict[str, InterfaceType] = {
-    "cs": CO_SIMULATION, "cosimulation": CO_SIMULATION,
-    "me": MODEL_EXCHANGE, "modelexchange": MODEL_EXCHANGE,
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -61,23 +59,6 @@ class Settings:
     notes: tuple[str, ...] = ()
 
 
-def interface(name: str | None, d: ModelDescription) -> InterfaceType:
-    """The kind of interface to use: the one that was asked for, else co-simulation, else model
-    exchange. Raises `UsageError` for an unknown kind and `FmuError` where the FMU lacks it."""
-    if name is not None:
-        kind = _ALIASES.get(name.lower().replace("-", "").replace("_", "").replace(" ", ""))
-        if kind is None:
-            raise UsageError(
-                f"interface type {name!r} is unknown; choose co-simulation or model-exchange"
-            )
-    elif d.co_simulation is None and d.model_exchange is not None:
-        kind = MODEL_EXCHANGE
-    else:
-        kind = CO_SIMULATION
-    capabilities(d, kind)
-    return kind
-
-
 def settle(request: Request, d: ModelDescription) -> Settings:
     """The settings for `request`; raises `UsageError` for times that cannot be meant."""
     kind = interface(request.interface_type, d)
@@ -104,15 +85,14 @@ def settle(request: Request, d: ModelDescription) -> Settings:
     settings = Settings(
         kind, start, stop, request.step_size, request.output_interval, tolerance, request.solver
     )
-    finish = _communication if kind == CO_SIMULATION else _output
+    finish = _output if kind == MODEL_EXCHANGE else _communication
     return finish(settings, d, notes)
 
 
 def _communication(s: Settings, d: ModelDescription, notes: list[str]) -> Settings:
-    assert d.co_simulation is not None
     step = s.step_size
     if step is None:
-        fixed = d.co_simulation.fixed_internal_step_size
+        fixed = capabilities(d, s.interface_type).fixed_internal_step_size
         step = _first(fixed or None, s.output_interval, d.step_size or None)
         if s.output_interval is not None:
             step = _divisor(s.output_interval, fixed)

@@ -1,4 +1,4 @@
-"""What compiled code knows of one FMU in model exchange: an array of 8-byte cells at an address.
+"""What compiled code knows of one FMU with events: an array of 8-byte cells at an address.
 
 Whole numbers and addresses are int64, times float64. Python fills it before the first step; from
 then on the kernels read and write it.
@@ -38,32 +38,32 @@ steps, (first + k step) / whole in s."""
 
 (
     HOOK, WANTED, FREE, IN_EVENT, UNFINISHED, ROOT, ASKED_EVENT, REPEATS, UNCHANGED, EVENTS,
-    REACHED, STOP_ASKED, INITIALISING, NOMINALS_CHANGED,
-) = range(40, 54)  # fmt: skip
+    REACHED, STOP_ASKED, INITIALISING, NOMINALS_CHANGED, ROWS, ROOM,
+) = range(40, 56)  # fmt: skip
 """The callback and what it is wanted for; whether the solver may pass the end of a step; whether
 the FMU is in event mode; whether an accepted step is still to be told, and whether an indicator
 changed its domain there; counters of events; where to tell the time, and where to look whether to
-end."""
+end; where the number of rows stands, and how many there is room for."""
 
-(FAILED, STATUS) = range(54, 56)
+(FAILED, STATUS) = range(56, 58)
 """The call that failed, and what it returned."""
 
 (
     TIME, SEGMENT, EVENT_TIME, HOOK_TIME, KINK_TIME, STOP_TIME, LAST_EVENT, RELATIVE, LARGEST,
     FAILED_AT, STEP_SIZE, BEFORE_TIME,
-) = range(56, 68)  # fmt: skip
+) = range(58, 70)  # fmt: skip
 """Times (s): of the solver, where inputs changed last, of the next time event, of the next event
 and the next kink that the hook knows, of the stop, of the last event; tolerance; times of a fault
 and of the last step of an explicit method."""
 
-SIZE = 68
+SIZE = 70
 
-APPLY, APPLY_AT_EVENT, TICK, MORE_TICKS, PLAN, BEFORE_EVENT, AFTER_EVENT, JUMPED = (
-    1 << i for i in range(8)
+APPLY, APPLY_AT_EVENT, TICK, MORE_TICKS, PLAN, BEFORE_EVENT, AFTER_EVENT, JUMPED, BEGIN = (
+    1 << i for i in range(9)
 )
 """What the hook may be wanted for: to set continuous inputs, all inputs; to set the clocks that
 tick and say whether more do; to look ahead; to record both sides of an event; to say whether an
-input has jumped."""
+input has jumped; to be told that a step begins."""
 
 CVODE, EULER, RK4, DOPRI5 = range(4)
 
@@ -116,3 +116,12 @@ def real(c: int, place: int) -> float:
 def put_real(c: int, place: int, value: float) -> None:
     """Change a real number."""
     store_float64(c + 8 * place, value)
+
+
+@compiled
+def failed(c: int, what: int, status: int, time: float) -> int:
+    """Remember what failed; its status."""
+    put(c, FAILED, what)
+    put(c, STATUS, status)
+    put_real(c, FAILED_AT, time)
+    return status

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from harness.errors import FmuError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
+from harness.participants.grid import is_close
 
 MOST_HALVINGS = 20
 
@@ -21,11 +22,14 @@ MOST_HALVINGS = 20
 class Stepper:
     """Takes the steps of one instance."""
 
-    def __init__(self, instance: FmuInstance, notes: list[str]) -> None:
-        """`notes` are told of the first step that had to be divided."""
-        self._instance, self._notes = instance, notes
+    def __init__(
+        self, instance: FmuInstance, notes: list[str], usual: float, divides: bool
+    ) -> None:
+        """`usual` is the length of a step (s); whether discarded ones are divided; `notes` are
+        told of the first that had to be."""
+        self._instance, self._notes, self._usual = instance, notes, usual
         can = instance.capabilities
-        self._divisible = can.can_handle_variable_step
+        self._divisible = divides and can.can_handle_variable_step
         self._snapshots = self._divisible and can.can_get_and_set_fmu_state
         self._state = ctypes.c_void_p()
         self._size = float("inf")  # that the FMU took last, after one that it did not
@@ -38,7 +42,9 @@ class Stepper:
         size = min(length, 2.0 * self._size)
         for _ in range(MOST_HALVINGS + 1):
             end = target if size >= length else time + size
-            outcome = self._instance.advance(time, end - time)
+            part = end - time
+            part = self._usual if is_close(part, self._usual, self._usual) else part
+            outcome = self._instance.advance(time, part)
             if not outcome.discarded or outcome.terminate:
                 self._size = size if size < length else float("inf")
                 return outcome, end

@@ -18,7 +18,7 @@ from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import ModelDescription
 from harness.participants.grid import Grid, exact
-from harness.simulation.inputs import Track
+from harness.participants.tracks import Track
 
 _PERIODIC = ("constant", "fixed", "tunable", "calculated")
 

@@ -20,7 +20,7 @@ from harness.fmi.binding.values import flat, parse_value
 from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.start_values import find_target, place_of
 from harness.instruments.csv_signal import CsvTable, plain_name, read_csv_table
-from harness.simulation.inputs import Inputs, Track
+from harness.participants.tracks import Inputs, Track
 
 InputData = str | os.PathLike[str] | Mapping[str, Any]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import UsageError
-from harness.simulation.settings import Request
+from harness.participants.settings import Request
 
 _KEYS = {
     "starttime": "start_time", "stoptime": "stop_time", "stepsize": "step_size",

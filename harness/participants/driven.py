@@ -1,0 +1,195 @@
+"""What participants with events inside their steps have in common: the context of compiled code,
+the hook into Python, and the words for what fails there."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from harness.clock import NANOSECONDS
+from harness.compiler import operations as op
+from harness.errors import EndRequestedError, FmuError, SimulationError
+from harness.fmi.binding.instance import FATAL
+from harness.fmi.binding.values import flat, parse_value
+from harness.participants import context as x
+from harness.participants.clocks import Clocks
+from harness.participants.context import Context
+from harness.participants.events import settle_entry
+from harness.participants.fmu import FmuParticipant, Observer
+from harness.participants.hook import EventHook
+from harness.participants.memory import Memory
+from harness.participants.participant import Participant
+from harness.participants.track_data import read_inputs
+from harness.system.graph import Endpoint
+
+_CALLS = {
+    x.AT_SET_TIME: "SetTime",
+    x.AT_SET_STATES: "SetContinuousStates",
+    x.AT_GET_STATES: "GetContinuousStates",
+    x.AT_DERIVATIVES: "Get(derivatives)",
+    x.AT_INDICATORS: "GetEventIndicators",
+    x.AT_NOMINALS: "GetNominalsOfContinuousStates",
+    x.AT_COMPLETED: "CompletedIntegratorStep",
+    x.AT_ENTER: "EnterEventMode",
+    x.AT_UPDATE: "UpdateDiscreteStates",
+    x.AT_LEAVE: "EnterContinuousTimeMode",
+    x.AT_DIRECTIONAL: "GetDirectionalDerivative",
+}
+UPDATES = {1: "EventUpdate", 2: "NewDiscreteStates", 3: "UpdateDiscreteStates"}
+"""The function that iterates the discrete states, by version of FMI."""
+_MANY = 1000
+
+
+class DrivenParticipant(FmuParticipant):
+    """An FMU whose steps are more than one call; `context` is what compiled code knows of it."""
+
+    def enter_initialization(self, start: float, stop: float | None) -> None:
+        """As any FMU, with the inputs that are functions of time as they are at the start."""
+        self._stop = math.inf if stop is None else stop
+        self.context = Context()
+        self._settle = settle_entry()
+        for place, size in ((x.INFO, 16), (x.REACHED, 1), (x.STOP_ASKED, 1), (x.ROWS, 1)):
+            self.context.array(place, np.zeros(size, dtype=np.int64))
+        self._room = self.context.array(x.ROOM, np.full(1, 2**62))
+        if self.around.reached is not None:
+            self.context.cells[x.REACHED] = self.around.reached.ctypes.data
+        if self.around.stop_asked is not None:
+            self.context.cells[x.STOP_ASKED] = self.around.stop_asked.ctypes.data
+        self.set_start_values()
+        self.inputs = read_inputs(self.instance.description, self.component.inputs, self.notes)
+        self.clocks = Clocks(self.instance, start, self.inputs.clocks, self.notes)
+        self.hook = EventHook(self, self.inputs, self.clocks)
+        self.instance.enter_initialization_mode(start, stop, self.tolerance)
+        self.inputs.apply(self.instance, start)
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """Values of clocked variables are their start values until the first tick."""
+        super().link(memory, participants)
+        self.context.cells[x.ROWS] = memory.clock.ctypes.data + 8 * op.ROWS
+        for v in self.description.variables.values():
+            if v.details.clocks and v.start and v.type != "Clock":
+                starts = flat(parse_value(v, v.start, v.size))
+                self.store(v.name, starts * v.size if len(starts) == 1 else starts)
+
+    def leave_initialization(self, time: float) -> None:
+        """Exit initialisation mode, and handle the event at the start where there are events."""
+        super().leave_initialization(time)
+        if not self.has_events:
+            return
+        self.clocks.begin()
+        self.fill_events()
+        if self.first_event():
+            settle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double)
+            self.check(settle(self._settle.address)(self.context.address, time))
+        self.hook.segment = time
+        self.plan_ahead(self.hook.next_event(time), self.inputs.next_kink(time))
+
+    @property
+    def has_events(self) -> bool:
+        """Whether the FMU is in event mode after its initialisation."""
+        return True
+
+    def first_event(self) -> bool:
+        """Whether the discrete states are to be iterated after initialisation."""
+        return True
+
+    def fill_events(self) -> None:
+        """The functions of event iteration."""
+        c, d, instance = self.context, self.description, self.instance
+        modes = d.fmi_major > 1
+        c.cells[x.HANDLE], c.cells[x.VERSION] = instance.handle or 0, d.fmi_major
+        stepping = "EnterStepMode" if self.steps else "EnterContinuousTimeMode"
+        c.cells[x.UPDATE] = instance.address(UPDATES[d.fmi_major])
+        c.cells[x.ENTER_EVENTS] = instance.address("EnterEventMode") if modes else 0
+        c.cells[x.LEAVE_EVENTS] = instance.address(stepping) if modes else 0
+        c.cells[x.HOOK], c.cells[x.WANTED] = self.hook.address, self.hook.wanted
+        c.cells[x.IN_EVENT] = int(modes)
+        for place in (x.EVENT_TIME, x.HOOK_TIME, x.KINK_TIME):
+            c.reals[place] = math.inf
+        c.reals[x.LAST_EVENT] = math.nan
+
+    steps = False
+    """Whether the FMU does steps of its own, as in co-simulation."""
+
+    # what the hook needs
+
+    def plan_ahead(self, event: float, kink: float) -> None:
+        """The next event and the next kink (s) that the hook knows of."""
+        self.context.reals[x.HOOK_TIME], self.context.reals[x.KINK_TIME] = event, kink
+
+    def store(self, name: str, value: Any) -> None:
+        """Put the value of a clocked variable into its slots, where it has any."""
+        for one, item in zip(self.description.whole(name), flat(value), strict=True):
+            end = Endpoint(self.name, one)
+            if self.memory.has(end):
+                self.memory.store(end, item)
+                self.memory.store(end, item, "event")
+
+    def observe(self, observer: Observer, room: int) -> None:
+        """From now on `observer` records rows at events, of which there is `room` for some."""
+        self.hook.observer = observer
+        self._room[0] = room
+        self.context.cells[x.WANTED] = self.hook.wanted
+
+    @property
+    def seconds(self) -> float:
+        """The communication step (s)."""
+        return self.component.step_ns / (self.around.ticks_per_second or NANOSECONDS)
+
+    # what a step came to
+
+    def check(self, status: int) -> None:
+        """Raise what a status of compiled code means."""
+        if status != 0:
+            fault = self.explained(status)
+            assert fault is not None
+            raise fault
+
+    def explained(self, status: int) -> BaseException | None:
+        """The fault behind a status of compiled code."""
+        found = super().explained(status) or self.hook.fault
+        if found is not None:
+            return found
+        if status == op.ASKED + op.TERMINATED:
+            return EndRequestedError(
+                f"component {self.name}: the FMU asked for the end of the run: "
+                f"{self.instance.log.reasons()}"
+            )
+        c = self.context
+        what, code = int(c.cells[x.FAILED]), int(c.cells[x.STATUS])
+        when = f"t = {float(c.reals[x.FAILED_AT]):.9g} s"
+        if what == x.NOTHING:
+            return None
+        if what in _CALLS:
+            name = UPDATES[self.description.fmi_major] if what == x.AT_UPDATE else _CALLS[what]
+            if code == FATAL:
+                self.instance.mark_dead()
+            try:
+                self.instance.check(code, name, f" at {when}")
+            except FmuError as fault:
+                return fault
+        return SimulationError(f"component {self.name}: {self.words(what, code, when)}")
+
+    def words(self, what: int, code: int, when: str) -> str:
+        """What ended a step, apart from the functions of the FMU."""
+        match what:
+            case x.UNSETTLED:
+                return f"the event at {when} does not settle in 1000 iterations of its states"
+            case x.CHATTERING:
+                return (
+                    f"more than 1000 events at {when}, one after the other: the model chatters, "
+                    "and time stands still"
+                )
+        return f"stopped at {when}"
+
+    def terminate(self) -> None:
+        """Terminate, and say so where many events have changed nothing."""
+        super().terminate()
+        idle = int(self.context.cells[x.UNCHANGED])
+        if idle >= _MANY:
+            of = int(self.context.cells[x.EVENTS])
+            self.notes.append(f"{idle} of {of} events changed neither states nor derivatives")

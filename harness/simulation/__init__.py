@@ -1,1 +1,0 @@
-"""Simulating a single FMU of any version and kind, as `fmu-harness simulate` does."""
