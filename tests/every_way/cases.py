@@ -13,7 +13,7 @@ from tests.every_way.models import (
     THERMOSTAT,
     fmu,
 )
-from tests.every_way.plain_driver import SECOND, Job, Steps
+from tests.every_way.plain_events import SECOND, Job, Steps
 
 STEP_NS = SECOND // 64
 """A power of two, so that no way of summing times rounds differently."""
@@ -34,6 +34,9 @@ class Case:
     event_mode: bool | None = None
     triggers: dict[str, tuple[int, ...]] = field(default_factory=dict)
     path: Path | None = None
+    step_ns: int = STEP_NS
+    tolerance: float | None = None
+    """For the solver, where the FMU does not say one."""
 
     @property
     def exact(self) -> bool:
@@ -47,9 +50,9 @@ class Case:
         return tuple(int(sizes[d] if isinstance(d, str) else d) for d in v.dimensions)
 
     def job(self) -> Job:
-        steps = round(self.model.stop * SECOND) // STEP_NS
+        steps = round(self.model.stop * SECOND) // self.step_ns
         path = self.path or fmu(self.model, self.version, self.kind)
-        return Job(path, self.kind, STEP_NS, steps, self.watched, self.inputs, self.start_values,
+        return Job(path, self.kind, self.step_ns, steps, self.watched, self.inputs, self.start_values,
                    bool(self.event_mode), self.triggers)  # fmt: skip
 
 

@@ -5,7 +5,7 @@ have."""
 import inspect
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,8 @@ from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
 from harness.simulation.input_data import read_inputs
 from tests.every_way.cases import Case
-from tests.every_way.plain_driver import SECOND, Job, Steps, drive
+from tests.every_way.plain_driver import drive
+from tests.every_way.plain_events import SECOND, Job, Steps
 
 Rows = dict[str, list[Any]]
 
@@ -73,8 +74,9 @@ def by_simulate(case: Case) -> Rows:
     step = job.step_ns / SECOND
     result = simulate(
         job.path, interface_type=case.kind, stop_time=job.steps * step, step_size=step,
-        output_interval=step, inputs=_tracks(case), start_values=case.start_values,
-        output_variables=job.watched, event_mode=case.event_mode, in_process=True,
+        output_interval=step, relative_tolerance=case.tolerance, inputs=_tracks(case),
+        start_values=case.start_values, output_variables=job.watched,
+        event_mode=case.event_mode, in_process=True,
     )  # fmt: skip
     return _columns(job, result.time, list(result.order), result.__getitem__)
 
@@ -88,6 +90,8 @@ def _bench(case: Case, job: Job, record: tuple[str, ...]) -> Bench:
         more["interface_type"] = case.kind
     if case.event_mode is not None:
         more["event_mode"] = case.event_mode
+    if case.tolerance is not None:
+        more["tolerance"] = case.tolerance
     bench.fmu("fmu", job.path, **more)
     return bench
 
@@ -175,6 +179,8 @@ def by_doctor(case: Case) -> Rows:
     with Fmu(job.path) as fmu:
         subject = Subject(fmu, case.kind, Path(job.path).parent)  # type: ignore[arg-type]
         subject.step = job.step_ns / SECOND
+        if case.tolerance is not None:
+            subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
         with fmu.instantiate("fmu", interface_type=case.kind) as instance:  # type: ignore[arg-type]
             set_start_values(instance, case.start_values)
             motion = motion_of(subject, instance)
