@@ -10,8 +10,6 @@ from tests.every_way.not_yet import reason
 from tests.every_way.ways import WAYS, Rows, by_plain_driver
 
 _known: dict[Any, Rows] = {}
-SOLVER = 1e-6
-"""Times the size of the value: what the solvers, at 1e-10, and the bounces make of it."""
 
 
 def pairs(cases: Iterable[Case]) -> Iterator[Any]:
@@ -52,5 +50,5 @@ def _same(case: Case, got: Any, wanted: Any) -> bool:
     if isinstance(wanted, bytes):
         return bool(got in (wanted, wanted.hex()))
     if isinstance(wanted, float) and not case.exact:
-        return bool(abs(got - wanted) <= SOLVER * max(1.0, abs(wanted)))
+        return bool(abs(got - wanted) <= case.accuracy * max(1.0, abs(wanted)))
     return bool(got == wanted)

@@ -37,6 +37,9 @@ class Case:
     step_ns: int = STEP_NS
     tolerance: float | None = None
     """For the solver, where the FMU does not say one."""
+    accuracy: float = 1e-6
+    """In model exchange, times the size of the value: what solvers at 1e-10, begun anew at events
+    or at every row, and the bounces make of it."""
 
     @property
     def exact(self) -> bool:
@@ -52,8 +55,10 @@ class Case:
     def job(self) -> Job:
         steps = round(self.model.stop * SECOND) // self.step_ns
         path = self.path or fmu(self.model, self.version, self.kind)
-        return Job(path, self.kind, self.step_ns, steps, self.watched, self.inputs, self.start_values,
-                   bool(self.event_mode), self.triggers)  # fmt: skip
+        return Job(
+            path, self.kind, self.step_ns, steps, self.watched, self.inputs, self.start_values,
+            bool(self.event_mode), self.triggers,
+        )  # fmt: skip
 
 
 def _watched(model: Model, version: int, *without: str) -> tuple[str, ...]:

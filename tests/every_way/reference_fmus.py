@@ -14,7 +14,7 @@ TIMES = {
     "StateSpace": (10.0, 1.0), "VanDerPol": (20.0, 0.01),
 }  # fmt: skip
 """Stop time and step (s); Stair ends the simulation at 9 s."""
-LONG, TEXTS = ("Int64", "UInt64"), ("String", "Binary")
+TEXTS = ("String", "Binary")
 
 
 def reference_cases(folders: Sequence[Path]) -> Iterator[Case]:
@@ -38,29 +38,32 @@ def _cases(path: Path) -> Iterator[Case]:
         for name, v in read_variables(root).items()
         if v.causality == "output" and v.type != "Clock"
     )  # fmt: skip
-    for title, types in (("", None), ("-long", LONG), ("-texts", TEXTS)):
-        watched = [
-            v.name for v in outputs if (v.type in types if types else v.type not in LONG + TEXTS)
-        ]
-        if watched:
-            need = {"-long": {"64 bits"}, "-texts": {"texts"}}.get(title, set())
-            for kind in kinds:
-                for events in (None, True) if kind == "co-simulation" and has_events else (None,):
-                    yield _case(path, outputs, version, kind, events, watched, title, need)
+    for title in ("", "-texts"):
+        watched = [v.name for v in outputs if (v.type in TEXTS) == bool(title)]
+        for kind in kinds if watched else ():
+            if path.stem == "Roberts" and kind == "co-simulation":
+                continue  # 10^4 steps inside, one more by the last bit of the communication step
+            for events in (None, True) if kind == "co-simulation" and has_events else (None,):
+                yield _case(path, outputs, version, kind, events, watched, title)
 
 
 def _case(
     path: Path, outputs: tuple[Variable, ...], version: int, kind: str, events: bool | None,
-    watched: list[str], title: str, need: set[str],
+    watched: list[str], title: str,
 ) -> Case:  # fmt: skip
     stop, step = TIMES[path.stem]
     name = f"{path.stem}{title}-fmi{version}-{kind}{'-events' if events else ''}"
-    needs = {f"FMI {version}", kind, *need, *(["event mode"] if events else [])}
+    needs = {
+        f"FMI {version}",
+        kind,
+        *(["texts"] if title else []),
+        *(["event mode"] if events else []),
+    }
     clocks = path.stem == "Clocks"
     triggers = {"inClock2": tuple(t * SECOND for t in (0, 1, 8, 9))} if clocks else {}
     return Case(
         name, Model(path.stem, outputs, stop=stop), version, kind, tuple(watched),
         frozenset(needs | ({"triggers"} if clocks else set())), event_mode=events,
         triggers=triggers, path=path, step_ns=round(step * SECOND),
-        tolerance=1e-10 if kind == "model-exchange" else None,
+        tolerance=1e-10 if kind == "model-exchange" else None, accuracy=1e-5,
     )  # fmt: skip

@@ -73,9 +73,9 @@ def by_simulate(case: Case) -> Rows:
     job = case.job()
     step = job.step_ns / SECOND
     result = simulate(
-        job.path, interface_type=case.kind, stop_time=job.steps * step, step_size=step,
-        output_interval=step, relative_tolerance=case.tolerance, inputs=_tracks(case),
-        start_values=case.start_values, output_variables=job.watched,
+        job.path, interface_type=case.kind, start_time=0.0, stop_time=job.steps * step,
+        step_size=step, output_interval=step, relative_tolerance=case.tolerance,
+        inputs=_tracks(case), start_values=case.start_values, output_variables=job.watched,
         event_mode=case.event_mode, in_process=True,
     )  # fmt: skip
     return _columns(job, result.time, list(result.order), result.__getitem__)
@@ -115,8 +115,12 @@ def _run_bench(case: Case, in_process: bool) -> Rows:
 def _trigger(bench: Bench, case: Case) -> None:
     """A clock is triggered where the wire to it carries true."""
     for name, ticks in case.triggers.items():
-        bench.controller(f"trigger_{name}", lambda time, at=ticks: round(time * SECOND) in at)
+        bench.controller(f"trigger_{name}", _ticking(ticks))
         bench.connect(f"trigger_{name}.u", f"fmu.{name}")
+
+
+def _ticking(ticks: tuple[int, ...]) -> Callable[[float], bool]:
+    return lambda time: round(time * SECOND) in ticks
 
 
 def _source(steps: Steps) -> Callable[[float], Any]:
