@@ -144,7 +144,8 @@ def _all() -> list[Case]:
             _case("counts", EVERY_TYPE, *row, only=counts),
             _case("tolerance", EVERY_TYPE, *row, only=("tolerance",), needs=("tolerance",)),
             _case("numbers", EVERY_TYPE, *row, **_fed(NUMBERS, version)),
-            _case("texts", EVERY_TYPE, *row, needs=("texts",), **_fed(TEXTS, version)),
+            _case("texts", EVERY_TYPE, *row, needs=("texts", "text inputs"),
+                  **_fed(TEXTS, version)),
             _case("labels", EVERY_TYPE, *row, only=("label", "label_too"), needs=("texts",)),
         ]  # fmt: skip
     row = (3, "co-simulation")
@@ -160,7 +161,7 @@ def _all() -> list[Case]:
         _case("partitions", PARTITIONS, 3, "scheduled-execution"),
     ]  # fmt: skip
     for kind, events in (("co-simulation", True), ("model-exchange", None)):
-        needs = ("event clocks",) if events else ()
+        needs = ("clocks", "event clocks") if events else ("clocks",)
         found += [
             _case("clocks", CLOCKS, 3, kind, events, needs=needs),
             _case("triggered", CLOCKS, 3, kind, events, needs=(*needs, "triggers"), **user),

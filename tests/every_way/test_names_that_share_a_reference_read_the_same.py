@@ -32,6 +32,6 @@ def parameters() -> list[Any]:
 def test_the_rows_are_those_of_the_plain_driver(
     way: str, version: int, data: st.DataObject
 ) -> None:
-    texts, negated = (reason(way, frozenset({need})) is None for need in ("texts", NEGATED))
+    texts, negated = (reason(way, frozenset({need})) is None for need in ("text inputs", NEGATED))
     case = data.draw(cases(version, texts, negated))
     assert differences(case, way) == []

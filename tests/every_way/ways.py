@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from harness.simulation.start_values import set_start_values
 
 from harness import Bench, Fmu, simulate
+from harness.fmi.start_values import apply_start_values, judge_start_values
 from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
@@ -186,9 +186,10 @@ def by_doctor(case: Case) -> Rows:
         if case.tolerance is not None:
             subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
         with fmu.instantiate("fmu", interface_type=case.kind) as instance:  # type: ignore[arg-type]
-            set_start_values(instance, case.start_values)
+            given = judge_start_values(fmu.description, case.start_values, component="fmu")
+            apply_start_values(instance, given)
             motion = motion_of(subject, instance)
-            motion.inputs = read_inputs(fmu.description, _tracks(case), [], instance.count)
+            motion.inputs = read_inputs(instance.description, _tracks(case), [])
             motion.begin()
             rows = motion.advance(job.steps)
         found: Rows = {}
