@@ -6,7 +6,9 @@ FOLDER is searched for `.fmu` files and for `{Model}_out.csv` and `{Model}_in.cs
 from the public sources of the Modelica Association first, in as many versions as you like. The
 published outputs were made by Euler's method inside the FMUs. So each FMU is run
 
-- in co-simulation, without and (FMI 3) with event mode, against the published output;
+- in co-simulation, without and (FMI 3) with event mode, against the published output, in every way
+  that `tests.every_way` knows;
+- in scheduled execution against the schedule that its description states;
 - in model exchange by Euler's method with the same fixed step, against the published output;
 - in model exchange by CVODE at a relative tolerance of 1e-8, against the exact solution.
 
@@ -19,9 +21,10 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +37,10 @@ from harness import Fmu, simulate
 from harness.errors import HarnessError
 from harness.results.csv_files import read_reference
 from harness.results.result import Result
+from tests.every_way.cases import Case
+from tests.every_way.not_yet import reason
+from tests.every_way.reference_fmus import reference_cases
+from tests.every_way.ways import WAYS, by_plain_driver
 
 Array = NDArray[np.float64]
 FIXED_STEP = {
@@ -47,6 +54,14 @@ GRID = {
     "Resource": (1.0, 1.0),
 }  # fmt: skip
 """Stop time and distance of rows (s) of the published outputs."""
+SCHEDULE = {
+    "inClock1Ticks": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
+    "inClock2Ticks": [1, 2, 2, 2, 2, 2, 2, 2, 3, 4],
+    "inClock3Ticks": [0, 0, 0, 0, 1, 1, 1, 1, 1, 1],
+    "totalInClockTicks": [2, 4, 5, 6, 8, 9, 10, 11, 13, 15],
+    "output3": [0, 0, 0, 0, 1000, 1000, 1000, 1000, 1000, 1000],
+}
+"""Of Clocks, after each second from 0 on."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +89,39 @@ def run_all(folders: list[Path]) -> Iterator[Row]:
     """A row for each FMU below `folders`, kind and method."""
     for path in _fmus(folders):
         yield from run_fmu(path, folders)
+    for case in reference_cases(folders):
+        if case.exact:
+            yield from run_every_way(case, folders)
+
+
+def run_every_way(case: Case, folders: list[Path]) -> Iterator[Row]:
+    """The runs of one case in all ways: that of the plain driver, and those of the harness."""
+    name, against = case.model.name, "published output"
+    if case.kind == "scheduled-execution":
+        expected, against = SCHEDULE, "its schedule"
+    else:
+        expected = read_reference(_find(folders, f"{name}_out.csv"), {}).columns
+    columns = [column for column in case.watched if column in expected]
+    for way, run in {"plain driver": by_plain_driver, **WAYS}.items():
+        method = f"{way}, event mode" if case.event_mode else way
+        difference, words = None, reason(way, case.needs) or ""
+        if not words:
+            rows = run(case)
+            difference = max(_apart(rows[c], expected[c]) for c in columns)
+        count = case.job().steps + 1
+        yield Row(name, f"{case.version}.0", case.kind, method, against, len(columns), count,
+                  difference, 1e-9, words)  # fmt: skip
+
+
+def _apart(ours: Sequence[Any], theirs: Sequence[Any]) -> float:
+    """The largest difference of the rows that there are, as a share of the range; 1 for texts."""
+    pairs = [(a, b) for a, b in zip(ours, theirs, strict=False) if a is not None]
+    if isinstance(pairs[0][0], str | bytes):
+        texts = [(a.hex() if isinstance(a, bytes) else a, b) for a, b in pairs]
+        return float(any(a != b for a, b in texts))
+    words = {"true": 1.0, "false": 0.0}
+    given = [[words.get(w, w) for w in str(b).split()] for _, b in pairs]
+    return _share(np.array([np.ravel(a) for a, _ in pairs], float), np.array(given, float))
 
 
 def _fmus(folders: list[Path]) -> list[Path]:
@@ -238,9 +286,10 @@ def cells(row: Row) -> tuple[str, ...]:
     """The cells of one row of the table."""
     size = f"{row.columns} × {row.rows}" if row.columns else "–"
     shown = "–" if row.difference is None else f"{row.difference:.1e}" if row.difference else "0"
-    verdict = "refused with a sentence" if row.difference is None and row.words else (
-        "agrees" if row.agrees else "DIFFERS"
-    )  # fmt: skip
+    verdict = "agrees" if row.agrees else "DIFFERS"
+    if row.difference is None and row.words:
+        planned = row.compared_with != "–"
+        verdict = f"not yet: {row.words}" if planned else "refused with a sentence"
     return (row.model, row.fmi, row.kind, row.method, row.compared_with, size, shown, verdict)
 
 

@@ -76,6 +76,11 @@ class _Group:
     ends: tuple[Endpoint, ...]
     first: int
 
+    @property
+    def negation(self) -> tuple[float, float]:
+        """Factor and offset of a negated alias: -x of numbers, 1 - x of booleans."""
+        return -1.0, float(self.suffix == "Boolean")
+
 
 class Access:
     """Makes the rows for one instance."""
@@ -98,7 +103,7 @@ class Access:
             last = group.first + len(group.ends)
             if group.negated:
                 slots = range(group.first, last)
-                yield self.memory.copy(slots, slots, [(-1.0, 0.0)] * len(slots))
+                yield self.memory.copy(slots, slots, [group.negation] * len(slots))
             if group.kind in (FLOAT64, op.FLOAT32) and not self.allow_not_finite:
                 yield [op.CHECK, group.first, last]
 
@@ -108,7 +113,7 @@ class Access:
             if group.negated:
                 slots = range(group.first, group.first + len(group.ends))
                 other = self.memory.scratch(len(slots))
-                yield self.memory.copy(slots, other, [(-1.0, 0.0)] * len(slots))
+                yield self.memory.copy(slots, other, [group.negation] * len(slots))
                 group = _Group(group.suffix, group.kind, True, group.ends, other[0])
             yield from self._rows("Set", group)
 

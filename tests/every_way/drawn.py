@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tests.every_way.cases import STEP_NS, Case
 from tests.every_way.descriptions import OLD_TYPES, Alias, Model, Variable, fmi1, fmi2, fmi3
 from tests.every_way.models import TYPES, folder, pack
-from tests.every_way.plain_driver import SECOND
+from tests.every_way.plain_events import SECOND
 
 STEPS = 4
 _numbers = count()

@@ -18,13 +18,9 @@ class NotYet:
 
 
 NOT_YET = (
-    NotYet(BENCH, "FMI 1", "the loop runs FMI 2 and 3"),
-    NotYet(BENCH, "model-exchange", "the loop runs co-simulation"),
-    NotYet(BENCH, "event mode", "the loop has no event mode"),
-    NotYet(BENCH, "texts", "strings and binaries are neither wired nor recorded"),
-    NotYet(BENCH, "64 bits", "wires carry float64"),
-    NotYet(BENCH, "tolerance", "the loop does not take the tolerance of the default experiment"),
-    NotYet(BENCH, "resized", "the loop sets structural parameters outside of configuration mode"),
+    NotYet(BENCH, "clocks", "nothing ticks the clocks of the loop"),
+    NotYet(BENCH, "text inputs", "strings and binaries are not wired"),
+    NotYet(frozenset({"wires"}), "texts", "strings and binaries are not wired"),
     NotYet(frozenset({"doctor"}), "texts", "the doctor watches numbers"),
     NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
     NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),

@@ -1,142 +1,20 @@
 """Runs one FMU by `plain_fmu`, scipy and nothing of the harness: the oracle of these tests.
 
 Rows are taken at 0, step, 2 step, …, after what happens at that time and before inputs change.
-Inputs are staircases that change at these times. Times are whole nanoseconds; those of the events
-of a solver or of an early return are what they are.
 """
 
 import ctypes as c
-import math
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from tests.every_way.plain_fmu import EventInfo1, EventInfo2, PlainFmu
-
-SECOND = 1_000_000_000
-Steps = tuple[tuple[int, Any], ...]
-"""Pairs of a time (ns) and the value from then on, the first one at 0."""
+from tests.every_way.plain_events import SECOND, Events, Job
+from tests.every_way.plain_fmu import EventInfo1, PlainFmu
 
 
-@dataclass(frozen=True)
-class Job:
-    """What is to be run; `watched` are names of variables, `triggers` times (ns) of clocks."""
-
-    path: Path
-    kind: str
-    step_ns: int
-    steps: int
-    watched: tuple[str, ...]
-    inputs: dict[str, Steps] = field(default_factory=dict)
-    start_values: dict[str, Any] = field(default_factory=dict)
-    event_mode: bool = False
-    triggers: dict[str, tuple[int, ...]] = field(default_factory=dict)
-
-
-class Run:
-    """One run; `rows[name]` are the values of a watched variable."""
-
-    def __init__(self, job: Job, fmu: PlainFmu) -> None:
-        self.job, self.fmu = job, fmu
-        self.rows: dict[str, list[Any]] = {name: [] for name in job.watched}
-        self.pending: dict[str, int] = {}
-        self.ticked: dict[str, int] = {}
-        self.next_event = math.inf
-        self.clocks = {n: v for n, v in fmu.variables.items()
-                       if v.type == "Clock" and v.causality == "input"}  # fmt: skip
-
-    def row(self) -> None:
-        for name, values in self.rows.items():
-            values.append(self.fmu.get(name))
-
-    def set_inputs(self, ns: int) -> bool:
-        """Set what changes at `ns`; whether something does."""
-        changed = False
-        for name, steps in self.job.inputs.items():
-            for time, value in steps:
-                if time == ns:
-                    self.fmu.set(name, value)
-                    changed = True
-        return changed
-
-    # clocks
-
-    def due(self, ns: int) -> list[str]:
-        """The clocks that tick at `ns` and have not yet, by priority."""
-        found = []
-        for name, v in self.clocks.items():
-            a = v.attributes
-            if a["intervalVariability"] == "constant":
-                if "intervalDecimal" in a:
-                    period = round(float(a["intervalDecimal"]) * SECOND)
-                else:
-                    period = int(a["intervalCounter"]) * SECOND // int(a["resolution"])
-                ticks = ns % period == 0
-            else:
-                ticks = ns in self.job.triggers.get(name, ()) or self.pending.get(name) == ns
-            if ticks and self.ticked.get(name) != ns:
-                found.append(name)
-        return sorted(found, key=lambda n: int(self.clocks[n].attributes.get("priority", 0)))
-
-    def tick(self, names: list[str], ns: int) -> None:
-        for name in names:
-            self.ticked[name] = ns
-            self.pending.pop(name, None)
-            if self.job.kind != "scheduled-execution":
-                self.fmu.set(name, True)
-
-    def count_down(self, ns: int) -> None:
-        for name, v in self.clocks.items():
-            if v.attributes["intervalVariability"] == "countdown":
-                seconds, qualifier = c.c_double(), c.c_int()
-                one = (c.c_uint32 * 1)(v.reference)
-                self.fmu.call("GetIntervalDecimal", one, c.c_size_t(1), c.byref(seconds),
-                              c.byref(qualifier))  # fmt: skip
-                if qualifier.value == 2:
-                    self.pending[name] = ns + round(seconds.value * SECOND)
-
-    # events
-
-    def handle(self, time: float, enter: bool = True) -> None:
-        """An event at `time` (s), with iteration; the FMU is left in event mode's successor."""
-        ns = round(time * SECOND)
-        if enter and self.fmu.version != "1":
-            self.fmu.call("EnterEventMode")
-        if time == ns / SECOND:
-            self.set_inputs(ns)
-        again = True
-        while again:
-            ticking = self.due(ns) if time == ns / SECOND else []
-            self.tick(ticking, ns)
-            again = self._update()
-            self.count_down(ns)
-            again = again or bool(self.due(ns) if time == ns / SECOND else [])
-        if self.fmu.version != "1":
-            stepping = self.job.kind == "co-simulation"
-            self.fmu.call("EnterStepMode" if stepping else "EnterContinuousTimeMode")
-
-    def _update(self) -> bool:
-        fmu = self.fmu
-        if fmu.version == "1":
-            info = EventInfo1()
-            fmu.call("EventUpdate", c.c_char(0), c.byref(info))
-            return self._told(not ord(info.converged), bool(ord(info.upcoming)), info.next)
-        if fmu.version == "2":
-            two = EventInfo2()
-            fmu.call("NewDiscreteStates", c.byref(two))
-            return self._told(bool(two.needs), bool(two.defined), two.next)
-        flags, next_ = [c.c_bool() for _ in range(5)], c.c_double()
-        fmu.call("UpdateDiscreteStates", *map(c.byref, flags), c.byref(next_))
-        return self._told(flags[0].value, flags[4].value, next_.value)
-
-    def _told(self, again: bool, defined: bool, time: float) -> bool:
-        self.next_event = time if defined else math.inf
-        return again
-
-    # the kinds
+class Run(Events):
+    """One run of any kind."""
 
     def initialise(self) -> None:
         fmu = self.fmu
@@ -172,14 +50,10 @@ class Run:
         self.row()
         for k in range(self.job.steps):
             ns, after = k * self.job.step_ns, (k + 1) * self.job.step_ns
-            if k and not self.job.event_mode:
-                self.set_inputs(ns)
-            if (
-                k
-                and self.job.event_mode
-                and any(t == ns for s in self.job.inputs.values() for t, _ in s)
-            ):
+            if k and self.job.event_mode and self.changes(ns):
                 self.handle(ns / SECOND)
+            elif k:
+                self.set_inputs(ns)
             time, target = ns / SECOND, after / SECOND
             while time < target:
                 time = self._step(time, target)
@@ -203,7 +77,8 @@ class Run:
         for ns in range(0, self.job.steps * self.job.step_ns + 1, self.job.step_ns):
             if ns:
                 self.set_inputs(ns)
-            for name in self.due(ns):
+            while ticking := self.due(ns):  # the activation of one may start another
+                name = ticking[0]
                 self.tick([name], ns)
                 reference = c.c_uint32(self.clocks[name].reference)
                 before = self.fmu.updates
@@ -218,7 +93,7 @@ class Run:
         self.row()
         for k in range(self.job.steps):
             ns = k * self.job.step_ns
-            if k and any(t == ns for s in self.job.inputs.values() for t, _ in s):
+            if k and self.changes(ns):
                 self.handle(ns / SECOND)
             time, target = ns / SECOND, (k + 1) * self.job.step_ns / SECOND
             while time < target:
@@ -228,37 +103,49 @@ class Run:
     def _counts(self) -> tuple[int, int]:
         root = self.fmu.root
         if self.fmu.version == "3":
-            found = [len(root.findall(f"ModelStructure/{tag}"))
-                     for tag in ("ContinuousStateDerivative", "EventIndicator")]  # fmt: skip
-            return found[0], found[1]
+
+            def count(tag: str) -> int:
+                references = {e.get("valueReference") for e in root.iter(tag)}
+                return sum(self.fmu.size(v) for v in by_reference.values()
+                           if str(v.reference) in references)  # fmt: skip
+
+            by_reference = {v.reference: v for v in self.fmu.variables.values()}
+            return count("ContinuousStateDerivative"), count("EventIndicator")
         states = len(root.findall("ModelStructure/Derivatives/Unknown"))
         states = int(root.get("numberOfContinuousStates", states))
         return states, int(root.get("numberOfEventIndicators", 0))
 
     def _reach(self, time: float, stop: float) -> float:
-        """Integrate to `stop` or to the first event, and handle what happens there."""
-        x = self._vector("GetContinuousStates", self.nx)
-        state_event = False
+        """Go to `stop` or to the first event, and handle what happens there."""
+        x, state_event = np.zeros(0), False
         if self.nx:
-            functions = [self._indicator(i, time, x) for i in range(self.nz)]
-            found = solve_ivp(self._rates, (time, stop), x, "DOP853", events=functions or None,
-                              rtol=1e-12, atol=1e-13)  # fmt: skip
-            assert found.success, found.message
-            time, x = found.t[-1], found.y[:, -1]
-            state_event = found.status == 1
-        time = stop if not state_event else time
+            time, x, state_event = self._integrate(time, stop)
+        time = time if state_event else stop
         self._move(time, x)
-        wanted, terminate = (c.c_char(), c.c_char()) if self.fmu.version == "1" else (
-            (c.c_int(), c.c_int()) if self.fmu.version == "2" else (c.c_bool(), c.c_bool())
-        )  # fmt: skip
-        more = {"1": (), "2": (1, c.byref(wanted), c.byref(terminate)),
-                "3": (c.c_bool(True), c.byref(wanted), c.byref(terminate))}  # fmt: skip
-        self.fmu.call("CompletedIntegratorStep", *(more[self.fmu.version] or (c.byref(wanted),)))
-        asked = wanted.value not in (0, b"\0", False)
-        ns = round(time * SECOND)
-        if state_event or asked or time >= self.next_event or self.due(ns):
+        kind = {"1": c.c_bool, "2": c.c_int, "3": c.c_bool}[self.fmu.version]
+        asked, terminate = kind(), kind()
+        more = {"1": (), "2": (1,), "3": (c.c_bool(True),)}[self.fmu.version]
+        last = (c.byref(terminate),) if more else ()
+        self.fmu.call("CompletedIntegratorStep", *more, c.byref(asked), *last)
+        if state_event or asked or time >= self.next_event or self.due(round(time * SECOND)):
             self.handle(time)
         return time
+
+    def _integrate(self, time: float, stop: float) -> tuple[float, Any, bool]:
+        """Time and states at `stop`, or just behind the first zero of an indicator (true)."""
+        x = self._vector("GetContinuousStates", self.nx)
+        zeros = [self._indicator(i, time, x) for i in range(self.nz)]
+        found = solve_ivp(self._rates, (time, stop), x, "DOP853", dense_output=True,
+                          events=zeros or None, rtol=1e-12, atol=1e-13)  # fmt: skip
+        assert found.success, found.message
+        if found.status != 1:
+            return stop, found.y[:, -1], False
+        zero = next(z for z, t in zip(zeros, found.t_events, strict=True) if len(t))
+        behind = (found.t[-1] + 2.0**k * np.spacing(found.t[-1]) for k in range(30))
+        time = next(
+            t for t in (found.t[-1], *behind) if zero.direction * zero(t, found.sol(t)) >= 0
+        )
+        return time, found.sol(time), True
 
     def _move(self, time: float, x: Any) -> None:
         self.fmu.call("SetTime", c.c_double(time))

@@ -51,6 +51,12 @@ class EventInfo2(c.Structure):
                 ("next", c.c_double)]  # fmt: skip
 
 
+def read_root(path: Path) -> ET.Element:
+    """The model description of the FMU at `path`."""
+    with zipfile.ZipFile(path) as archive:
+        return ET.fromstring(archive.read("modelDescription.xml"))
+
+
 def read_variables(root: ET.Element) -> dict[str, Variable]:
     found = {}
     for element in root.find("ModelVariables") or ():
@@ -76,13 +82,13 @@ class PlainFmu:
     def __init__(self, path: Path, kind: str, event_mode: bool = False) -> None:
         self.folder = tempfile.TemporaryDirectory()
         zipfile.ZipFile(path).extractall(self.folder.name)
-        root = self.root = ET.parse(Path(self.folder.name, "modelDescription.xml")).getroot()
+        root = self.root = read_root(path)
         self.version, self.kind, self.event_mode = root.get("fmiVersion", "")[0], kind, event_mode
         self.variables = read_variables(root)
         self.sizes = {
             str(v.reference): int(v.attributes["start"])
             for v in self.variables.values()
-            if v.causality == "structuralParameter"
+            if v.causality == "structuralParameter" and v.type == "UInt64"
         }
         interface = {"co-simulation": "CoSimulation", "model-exchange": "ModelExchange",
                      "scheduled-execution": "ScheduledExecution"}[kind]  # fmt: skip
@@ -99,7 +105,8 @@ class PlainFmu:
         assert self.handle.value, f"{path} was not instantiated"
 
     def _instantiate(self, interface: str, token: bytes) -> c.c_void_p:
-        where = f"file://{self.folder.name}/resources".encode()
+        where = f"file://{self.folder.name}"  # of the whole FMU in FMI 1, of its resources in FMI 2
+        where = (where if self.version == "1" else f"{where}/resources").encode()
         stepping = interface == "CoSimulation"
         if self.version == "1":
             self.callbacks: Any = Callbacks1((c.c_void_p * 4)(
@@ -196,7 +203,7 @@ class PlainFmu:
         one, first = (c.c_uint32 * 1)(v.reference), []
         if suffix == "Binary":
             first = [(c.c_size_t * len(room))(*map(len, values))]
-        if v.causality == "structuralParameter":
+        if str(v.reference) in self.sizes:
             self.sizes[str(v.reference)] = value
             self.call("EnterConfigurationMode")
         self.call(f"Set{suffix}", one, c.c_size_t(1), *first, room, *last)

@@ -5,20 +5,21 @@ have."""
 import inspect
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from harness.simulation.start_values import set_start_values
 
 from harness import Bench, Fmu, simulate
+from harness.fmi.start_values import apply_start_values, judge_start_values
 from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
 from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
-from tests.every_way.plain_driver import SECOND, Job, Steps, drive
+from tests.every_way.plain_driver import drive
+from tests.every_way.plain_events import SECOND, Job, Steps
 
 Rows = dict[str, list[Any]]
 
@@ -72,9 +73,10 @@ def by_simulate(case: Case) -> Rows:
     job = case.job()
     step = job.step_ns / SECOND
     result = simulate(
-        job.path, interface_type=case.kind, stop_time=job.steps * step, step_size=step,
-        output_interval=step, inputs=_tracks(case), start_values=case.start_values,
-        output_variables=job.watched, event_mode=case.event_mode, in_process=True,
+        job.path, interface_type=case.kind, start_time=0.0, stop_time=job.steps * step,
+        step_size=step, output_interval=step, relative_tolerance=case.tolerance,
+        inputs=_tracks(case), start_values=case.start_values, output_variables=job.watched,
+        event_mode=case.event_mode, in_process=True,
     )  # fmt: skip
     return _columns(job, result.time, list(result.order), result.__getitem__)
 
@@ -88,6 +90,8 @@ def _bench(case: Case, job: Job, record: tuple[str, ...]) -> Bench:
         more["interface_type"] = case.kind
     if case.event_mode is not None:
         more["event_mode"] = case.event_mode
+    if case.tolerance is not None:
+        more["tolerance"] = case.tolerance
     bench.fmu("fmu", job.path, **more)
     return bench
 
@@ -111,8 +115,12 @@ def _run_bench(case: Case, in_process: bool) -> Rows:
 def _trigger(bench: Bench, case: Case) -> None:
     """A clock is triggered where the wire to it carries true."""
     for name, ticks in case.triggers.items():
-        bench.controller(f"trigger_{name}", lambda time, at=ticks: round(time * SECOND) in at)
+        bench.controller(f"trigger_{name}", _ticking(ticks))
         bench.connect(f"trigger_{name}.u", f"fmu.{name}")
+
+
+def _ticking(ticks: tuple[int, ...]) -> Callable[[float], bool]:
+    return lambda time: round(time * SECOND) in ticks
 
 
 def _source(steps: Steps) -> Callable[[float], Any]:
@@ -175,10 +183,13 @@ def by_doctor(case: Case) -> Rows:
     with Fmu(job.path) as fmu:
         subject = Subject(fmu, case.kind, Path(job.path).parent)  # type: ignore[arg-type]
         subject.step = job.step_ns / SECOND
+        if case.tolerance is not None:
+            subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
         with fmu.instantiate("fmu", interface_type=case.kind) as instance:  # type: ignore[arg-type]
-            set_start_values(instance, case.start_values)
+            given = judge_start_values(fmu.description, case.start_values, component="fmu")
+            apply_start_values(instance, given)
             motion = motion_of(subject, instance)
-            motion.inputs = read_inputs(fmu.description, _tracks(case), [], instance.count)
+            motion.inputs = read_inputs(instance.description, _tracks(case), [])
             motion.begin()
             rows = motion.advance(job.steps)
         found: Rows = {}
