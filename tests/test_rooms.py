@@ -123,7 +123,7 @@ def test_a_room_imports_no_other_room(room: str) -> None:
 def test_plants_and_controllers_do_not_need_the_compiler_of_the_loop(room: str) -> None:
     for path in modules(room):
         reached = {name.partition(".")[0] for name in imported(path)}
-        makes_objects = path.relative_to(ROOT).as_posix() == "fmus/packaging/blocks/objects.py"
+        makes_objects = path.relative_to(ROOT).as_posix() == "fmus/packaging/block/objects.py"
         forbidden = {"numba", "fmpy"} if makes_objects else {"numba", "llvmlite", "fmpy"}
         assert not reached & forbidden, path.relative_to(ROOT)
 

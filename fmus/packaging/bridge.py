@@ -2,7 +2,7 @@
 
 Each comes as a wheel with a small library that starts Python, for the platforms that its authors
 build for, and with the Python files that the library talks to. Both are bundled into a portable
-FMU. The modules that they load differ in names only: `slave_script` writes them.
+FMU. The modules that they load differ in names only.
 
 Nothing of a bridge is imported here: a portable FMU loaded into this process may have put its own
 first.
@@ -10,12 +10,14 @@ first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from fmus.packaging.errors import PackagingError
 
+SHARED_PARTS = Path(__file__).parent / "portable_parts"
 LIBRARIES = (".so", ".dll", ".dylib")
 
 
@@ -42,7 +44,7 @@ from {bridge}.enums import Fmi{version}Status
 
 from {package}.exit_order import release_python_before_exit
 from {package}.instance import Instance, StepError
-from {package}.{tables} import MODEL
+from {package}.tables import MODEL
 
 
 class {name}(Fmi{version}Slave):
@@ -79,13 +81,30 @@ class {name}(Fmi{version}Slave):
 '''
 
 
-def slave_script(name: str, fmi_version: int, package: str, tables: str) -> str:
-    """The module for an FMU called `name`, whose parts are in `package`, its model in `tables`."""
+def bundled_parts(
+    name: str, fmi_version: int, token: str, parts: Path, generated: Mapping[str, str]
+) -> dict[str, bytes]:
+    """The folder `resources` of a portable FMU but the bridge itself, by path in the archive.
+
+    The FMU's own modules are those of the folder `parts`, those that all share, and the text of
+    `generated` by name, which holds the model in `tables`. They sit in a package whose name holds
+    the FMU's token, as FMUs in one process share modules of the same name.
+    """
     bridge = BRIDGES[fmi_version]
-    return _SCRIPT.format(
+    module = f"{name}_{token.strip('{}').replace('-', '')}"
+    package = f"{module}_parts"
+    script = _SCRIPT.format(
         name=name, bridge=bridge.package, version=bridge.version, number=bridge.number,
-        experiment=bridge.experiment, package=package, tables=tables,
+        experiment=bridge.experiment, package=package,
     )  # fmt: skip
+    files = [path for folder in (SHARED_PARTS, parts) for path in sorted(folder.glob("*.py"))]
+    texts = {path.name: path.read_bytes() for path in files}
+    texts |= {f"{name}.py": text.encode() for name, text in generated.items()}
+    return {
+        "resources/slavemodule.txt": module.encode(),
+        f"resources/{module}.py": script.encode(),
+        **{f"resources/{package}/{name}": text for name, text in texts.items()},
+    }
 
 
 def bridge_files(name: str, fmi_version: int) -> dict[str, bytes]:

@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model
 
-from fmus.packaging import cached_fmu
+from fmus.packaging.plant.build import cached_fmu
 from tests.fmus.packaging.plants import oscillator
 
 X = [0.25, -0.5]

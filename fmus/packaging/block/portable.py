@@ -10,16 +10,14 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from fmus.packaging.archive import content_hash, content_token
-from fmus.packaging.blocks.build import ExtraFiles, extra_name, write_with_extra
-from fmus.packaging.blocks.description import block_description
-from fmus.packaging.blocks.interface import BlockModel, block_entries
-from fmus.packaging.bridge import bridge_files, slave_script
+from fmus.packaging.archive import UNKNOWN_TOKEN, content_hash, content_token
+from fmus.packaging.block.description import block_description
+from fmus.packaging.block.extra import ExtraFiles, extra_name, write_with_extra
+from fmus.packaging.block.interface import BlockModel, block_entries
+from fmus.packaging.bridge import bridge_files, bundled_parts
 from fmus.packaging.cache import place, write_atomically
-from fmus.packaging.portable import PARTS as PLANT_PARTS
 
 PARTS = Path(__file__).parent / "portable_parts"
-_UNKNOWN_TOKEN = "{00000000-0000-0000-0000-000000000000}"
 
 
 def cached_portable_block(
@@ -37,30 +35,16 @@ def cached_portable_block(
 def portable_block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
     """All files of the FMU by path in the archive."""
     bundled = bridge_files(model.name, fmi_version)
+    generated = {"step": model.step, "tables": _tables(model)}
 
     def generate(token: str) -> dict[str, bytes]:
         return {
             "modelDescription.xml": block_description(model, fmi_version, token, portable=True),
-            **_resources(model, fmi_version, token),
+            **bundled_parts(model.name, fmi_version, token, PARTS, generated),
         }
 
-    token = content_token({**generate(_UNKNOWN_TOKEN), **bundled})
+    token = content_token({**generate(UNKNOWN_TOKEN), **bundled})
     return {**generate(token), **bundled}
-
-
-def _resources(model: BlockModel, fmi_version: int, token: str) -> dict[str, bytes]:
-    module = f"{model.name}_{token.strip('{}').replace('-', '')}"
-    package = f"{module}_parts"
-    script = slave_script(model.name, fmi_version, package, "tables")
-    parts = {part.name: part.read_bytes() for part in sorted(PARTS.glob("*.py"))}
-    parts["exit_order.py"] = (PLANT_PARTS / "exit_order.py").read_bytes()
-    parts["step.py"] = model.step.encode()
-    parts["tables.py"] = _tables(model).encode()
-    return {
-        "resources/slavemodule.txt": module.encode(),
-        f"resources/{module}.py": script.encode(),
-        **{f"resources/{package}/{part}": text for part, text in parts.items()},
-    }
 
 
 def _tables(model: BlockModel) -> str:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
+from fmus.declaration import PlantModel
 from fmus.packaging.errors import PackagingError
-from fmus.packaging.expressions import plant_expressions
-from fmus.plant import Plant
+from fmus.packaging.plant.expressions import plant_expressions
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class PlantFunctions:
     `u_start` and `p_start` are the declared defaults; p defaults to `p_start` everywhere.
     """
 
-    plant: Plant
+    plant: PlantModel
     x_start: Array
     u_start: Array
     p_start: Array
@@ -126,7 +126,7 @@ class PlantFunctions:
         return array
 
 
-def plant_functions(plant: Plant) -> PlantFunctions:
+def plant_functions(plant: PlantModel) -> PlantFunctions:
     """Numeric functions of a plant; raises PackagingError when its equations are not sound."""
     e = plant_expressions(plant)
     arguments = [e.x, e.u, e.p]

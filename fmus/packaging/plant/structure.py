@@ -6,30 +6,12 @@ depends on parameters only), `dependent` (anything else).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
-from fmus.packaging.expressions import PlantExpressions
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """An unknown and the knowns it depends on, as value references in ascending order."""
-
-    reference: int
-    dependencies: tuple[int, ...]
-    kinds: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class ModelStructure:
-    """The three lists of ModelStructure; initial unknowns are in the order of references."""
-
-    outputs: tuple[Unknown, ...]
-    derivatives: tuple[Unknown, ...]
-    initial_unknowns: tuple[Unknown, ...]
+from fmus.packaging.plant.expressions import PlantExpressions
+from fmus.packaging.variables import ModelStructure, Unknown
 
 
 def model_structure(expressions: PlantExpressions) -> ModelStructure:

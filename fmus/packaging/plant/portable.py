@@ -13,19 +13,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fmus.packaging.archive import content_token, write_archive
-from fmus.packaging.bridge import bridge_files, slave_script
-from fmus.packaging.codegen import equations_of
-from fmus.packaging.documentation import documentation_page
-from fmus.packaging.emit import PYTHON, statements
-from fmus.packaging.expressions import PlantExpressions, plant_expressions
-from fmus.packaging.interface import RELATIVE_TOLERANCE
-from fmus.packaging.model_description import model_description
-from fmus.packaging.structure import model_structure
-from fmus.plant import Plant
+from fmus.declaration import PlantModel
+from fmus.packaging.archive import UNKNOWN_TOKEN, content_token, write_archive
+from fmus.packaging.bridge import bridge_files, bundled_parts
+from fmus.packaging.plant.codegen import equations_of
+from fmus.packaging.plant.documentation import documentation_page
+from fmus.packaging.plant.emit import PYTHON, statements
+from fmus.packaging.plant.expressions import PlantExpressions, plant_expressions
+from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
+from fmus.packaging.plant.model_description import model_description
+from fmus.packaging.plant.structure import model_structure
 
 PARTS = Path(__file__).parent / "portable_parts"
-_UNKNOWN_TOKEN = "{00000000-0000-0000-0000-000000000000}"
 
 
 @dataclass(frozen=True)
@@ -36,10 +35,11 @@ class PortableContent:
     files: dict[str, bytes]
 
 
-def portable_content(plant: Plant, fmi_version: int = 2) -> PortableContent:
+def portable_content(plant: PlantModel, fmi_version: int = 2) -> PortableContent:
     """Generate the FMU; raises PackagingError when the plant is not sound or the bridge lacks."""
     expressions = plant_expressions(plant)
     structure = model_structure(expressions)
+    equations = equations_source(expressions)
 
     def generate(token: str) -> dict[str, bytes]:
         description = model_description(
@@ -48,32 +48,18 @@ def portable_content(plant: Plant, fmi_version: int = 2) -> PortableContent:
         return {
             "modelDescription.xml": description,
             f"documentation/{page}": documentation_page(plant),
-            **_resources(expressions, fmi_version, token),
+            **bundled_parts(plant.name, fmi_version, token, PARTS, {"tables": equations}),
         }
 
     bundled = bridge_files(plant.name, fmi_version)
     page = "index.html" if fmi_version == 3 else "_main.html"
-    token = content_token({**generate(_UNKNOWN_TOKEN), **bundled})
+    token = content_token({**generate(UNKNOWN_TOKEN), **bundled})
     return PortableContent(token, {**generate(token), **bundled})
 
 
 def write_portable_fmu(content: PortableContent, path: Path) -> None:
     """Write the archive to `path`."""
     write_archive(content.files, path)
-
-
-def _resources(expressions: PlantExpressions, fmi_version: int, token: str) -> dict[str, bytes]:
-    name = expressions.interface.plant.name
-    module = f"{name}_{token.strip('{}').replace('-', '')}"
-    package = f"{module}_parts"
-    script = slave_script(name, fmi_version, package, "equations")
-    parts = {part.name: part.read_bytes() for part in sorted(PARTS.glob("*.py"))}
-    parts["equations.py"] = equations_source(expressions).encode()
-    return {
-        "resources/slavemodule.txt": module.encode(),
-        f"resources/{module}.py": script.encode(),
-        **{f"resources/{package}/{part}": text for part, text in parts.items()},
-    }
 
 
 def equations_source(expressions: PlantExpressions) -> str:

@@ -6,34 +6,18 @@ written at the head of `c/component.h`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 
-from fmus.packaging.emit import C, statements
-from fmus.packaging.expressions import PlantExpressions
-from fmus.packaging.interface import RELATIVE_TOLERANCE
+from fmus.packaging.c_source import c_numbers, c_table, runtime_files
+from fmus.packaging.plant.emit import C, statements
+from fmus.packaging.plant.expressions import PlantExpressions
+from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
 
 RUNTIME = Path(__file__).parent / "c"
-RUNTIME_FILES = (
-    "all.c",
-    "component.c",
-    "component.h",
-    "derivatives.c",
-    "export.h",
-    "life_cycle.c",
-    "logging.c",
-    "refusals.c",
-    "rodas4.c",
-    "rodas4.h",
-    "state.h",
-    "stored_state.c",
-    "variables.c",
-)
-MAIN_SOURCE = "all.c"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +75,7 @@ def model_source(expressions: PlantExpressions, fmi_version: int, token: str) ->
 
 def source_files(expressions: PlantExpressions, fmi_version: int, token: str) -> dict[str, bytes]:
     """All files of the folder `sources`, by name."""
-    names = (*RUNTIME_FILES, f"fmi{fmi_version}.c", f"fmi{fmi_version}.h")
-    files = {name: (RUNTIME / name).read_bytes().replace(b"\r\n", b"\n") for name in names}
+    files = runtime_files(RUNTIME, fmi_version)
     files["model.c"] = model_source(expressions, fmi_version, token).encode()
     return files
 
@@ -134,18 +117,6 @@ def _tables(expressions: PlantExpressions, equations: Equations) -> str:
         ("int", "model_jacobian_rows", [str(i) for i in equations.rows]),
     )
     return "".join(c_table(kind, name, entries) for kind, name, entries in tables)
-
-
-def c_table(kind: str, name: str, entries: list[str]) -> str:
-    """A C array; an empty one gets an entry that nobody reads, as C has no empty arrays."""
-    body = "".join(f"    {entry},\n" for entry in entries or ["0"])
-    return f"static const {kind} {name}[] = {{\n{body}}};\n\n"
-
-
-def c_numbers(values: Iterable[float]) -> list[str]:
-    """C literals."""
-    special = {float("inf"): "INFINITY", float("-inf"): "-INFINITY"}
-    return [special.get(value, repr(float(value))) for value in values]
 
 
 def _function(function: Any, name: str, results: list[str]) -> str:

@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from types import ModuleType
 
-from fmus.packaging import portable_parts
-from fmus.packaging.expressions import plant_expressions
-from fmus.packaging.portable import equations_source
-from fmus.packaging.portable_parts.instance import Instance
-from fmus.plant import Plant
+from fmus.declaration import PlantModel
+from fmus.packaging.plant import portable_parts
+from fmus.packaging.plant.expressions import plant_expressions
+from fmus.packaging.plant.portable import equations_source
+from fmus.packaging.plant.portable_parts.instance import Instance
 
 
 class PlantReference:
     """A plant from its start values; `step` holds inputs for one communication step."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: PlantModel) -> None:
         """Generates the equations; raises PackagingError when the plant is not sound."""
         module = ModuleType(f"{portable_parts.__name__}.equations_of_{plant.name}")
         module.__package__ = portable_parts.__name__

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 
+from fmus.declaration import Parameter, PlantModel, State, Variable
 from fmus.packaging.errors import PackagingError
-from fmus.plant import Parameter, Plant, State, Variable
 
 # The solver's tolerance where the importer asks for none; that of state i is this times
 # (nominal_i + |x_i|). Every state of every plant then stays within 1e-5 of its range where the
@@ -30,7 +30,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 class Interface:
     """The variables of `plant` with their value references; raises PackagingError when illegal."""
 
-    plant: Plant
+    plant: PlantModel
 
     def __post_init__(self) -> None:
         """Refuse names, start values and bounds that no FMU could carry."""
@@ -91,7 +91,7 @@ def _check_names(interface: Interface) -> None:
             )
 
 
-def _check_values(plant: Plant) -> None:
+def _check_values(plant: PlantModel) -> None:
     variables: tuple[State | Variable, ...] = (*plant.states, *plant.inputs, *plant.outputs)
     for variable in variables:
         if not (isfinite(variable.start) and isfinite(variable.nominal) and variable.nominal > 0):
@@ -103,7 +103,7 @@ def _check_values(plant: Plant) -> None:
         _check_bounds(plant, parameter)
 
 
-def _check_bounds(plant: Plant, parameter: Parameter) -> None:
+def _check_bounds(plant: PlantModel, parameter: Parameter) -> None:
     low = float("-inf") if parameter.minimum is None else parameter.minimum
     high = float("inf") if parameter.maximum is None else parameter.maximum
     if not (isfinite(parameter.value) and low <= parameter.value <= high):

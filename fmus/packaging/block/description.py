@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as ET
 
-from fmus.packaging.blocks.interface import BlockModel, block_entries
+from fmus.packaging.block.interface import BlockModel, block_entries
 from fmus.packaging.errors import PackagingError
 from fmus.packaging.model_description import (
     add_structure,
@@ -18,8 +18,8 @@ from fmus.packaging.model_description import (
     unit_definitions,
     xml_bytes,
 )
-from fmus.packaging.structure import ModelStructure, Unknown
 from fmus.packaging.units import BaseUnit, base_unit
+from fmus.packaging.variables import ModelStructure, Unknown
 
 LOG_CATEGORIES = {
     "logEvents": "Life cycle of the instance",

@@ -4,26 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmus.packaging.blocks.interface import BlockModel, block_entries
-from fmus.packaging.codegen import RUNTIME, c_numbers, c_table
+from fmus.packaging.block.interface import BlockModel, block_entries
+from fmus.packaging.c_source import c_numbers, c_table, c_text, runtime_files
 
 OWN_RUNTIME = Path(__file__).parent / "c"
-OWN_FILES = ("all.c", "block.c", "reshape.c", "state.h")
-SHARED_FILES = (
-    "component.h",
-    "export.h",
-    "life_cycle.c",
-    "logging.c",
-    "refusals.c",
-    "stored_state.c",
-)
 
 
 def block_source_files(model: BlockModel, fmi_version: int, token: str) -> dict[str, bytes]:
     """The files to compile together, by name."""
-    shared = (*SHARED_FILES, f"fmi{fmi_version}.c", f"fmi{fmi_version}.h")
-    paths = [RUNTIME / name for name in shared] + [OWN_RUNTIME / name for name in OWN_FILES]
-    files = {path.name: path.read_bytes().replace(b"\r\n", b"\n") for path in paths}
+    files = runtime_files(OWN_RUNTIME, fmi_version)
     files["model.c"] = _model_source(model, fmi_version, token).encode()
     return files
 
@@ -43,7 +32,7 @@ def _model_source(model: BlockModel, fmi_version: int, token: str) -> str:
         "N_STATES": len(model.states),
     }
     groups = (model.inputs, model.outputs, model.parameters, model.states)
-    names = [_c_text(entry.name) for entry in block_entries(model)]
+    names = [c_text(entry.name) for entry in block_entries(model)]
     starts = c_numbers(variable.start for group in groups for variable in group)
     return "".join(
         (
@@ -56,12 +45,3 @@ def _model_source(model: BlockModel, fmi_version: int, token: str) -> str:
             c_table("int", "model_p_tunable", [str(int(p.tunable)) for p in model.parameters]),
         )
     )
-
-
-def _c_text(text: str) -> str:
-    """A C string literal of any text, in octal escapes where it is not plain ASCII."""
-    plain = [
-        chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}"
-        for byte in text.encode()
-    ]
-    return f'"{"".join(plain)}"'

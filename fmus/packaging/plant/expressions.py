@@ -15,9 +15,9 @@ from typing import Any
 
 import casadi as ca
 
+from fmus.declaration import PlantModel
 from fmus.packaging.errors import PackagingError
-from fmus.packaging.interface import Interface
-from fmus.plant import Plant
+from fmus.packaging.plant.interface import Interface
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class PlantExpressions:
         return ca.sparsify(ca.jacobian(unknowns, knowns))
 
 
-def plant_expressions(plant: Plant) -> PlantExpressions:
+def plant_expressions(plant: PlantModel) -> PlantExpressions:
     """Evaluate the plant's equations over symbols.
 
     Raises PackagingError when the equations fail, or return other names than the plant declares,
@@ -81,7 +81,7 @@ def _column(scalars: list[Any]) -> Any:
     return ca.densify(ca.vertcat(*scalars)) if scalars else ca.SX(0, 1)
 
 
-def _scalar(plant: Plant, name: str, value: Any) -> Any:
+def _scalar(plant: PlantModel, name: str, value: Any) -> Any:
     expression = ca.SX(value)
     if expression.shape != (1, 1):
         raise PackagingError(
@@ -91,7 +91,9 @@ def _scalar(plant: Plant, name: str, value: Any) -> Any:
     return expression
 
 
-def _check_keys(plant: Plant, what: str, found: Mapping[str, Any], expected: list[str]) -> None:
+def _check_keys(
+    plant: PlantModel, what: str, found: Mapping[str, Any], expected: list[str]
+) -> None:
     missing = [name for name in expected if name not in found]
     surplus = [name for name in found if name not in expected]
     if missing or surplus:
@@ -101,7 +103,7 @@ def _check_keys(plant: Plant, what: str, found: Mapping[str, Any], expected: lis
         )
 
 
-def _check_is_state(plant: Plant, name: str, value: Any, symbol: Any) -> None:
+def _check_is_state(plant: PlantModel, name: str, value: Any, symbol: Any) -> None:
     if not ca.is_equal(_scalar(plant, name, value), symbol):
         raise PackagingError(
             f"Plant {plant.name!r}: output {name!r} bears the name of a state but is another "

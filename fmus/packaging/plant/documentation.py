@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from fmus.plant import Plant
+from fmus.declaration import PlantModel
 
 _LICENCE = (
     "Licensed under the MIT licence: free to use, copy, change and pass on, without warranty."
 )
 
 
-def documentation_page(plant: Plant) -> bytes:
+def documentation_page(plant: PlantModel) -> bytes:
     """A self-contained HTML page."""
     states = ((s.name, s.unit, f"{s.start:g}", s.description) for s in plant.states)
     inputs = ((v.name, v.unit, f"{v.start:g}", v.description) for v in plant.inputs)
