@@ -35,7 +35,6 @@ static Status component_reset(Component *component) {
 }
 
 static Status component_exit_initialization(Component *component, const char *call) {
-    component->state.start_time = component->state.time;
     return component_change_mode(component, call, MODE_INITIALIZATION, MODE_STEP);
 }
 

@@ -29,7 +29,7 @@ static int row_of(unsigned reference) {
 static Status check_derivative(const Component *component, const char *call,
                                const unsigned unknowns[], size_t n_unknowns,
                                const unsigned knowns[], size_t n_knowns) {
-    if (component_check_mode(component, call, MODES_WITH_EQUATIONS) != STATUS_OK) {
+    if (component_check_mode(component, call, MODES_WITH_EQUATIONS | MODE_FAILED) != STATUS_OK) {
         return STATUS_ERROR;
     }
     for (size_t k = 0; k < n_unknowns; k++) {

@@ -24,6 +24,7 @@ typedef struct {
     Mode mode;
     bool stop_time_defined;
     double time;
+    double start_time;
     double stop_time;
     double relative_tolerance;
     double substep; /* the solver's next substep; 0 before the first */

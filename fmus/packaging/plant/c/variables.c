@@ -70,14 +70,13 @@ static Status component_get(Component *component, const char *call, const unsign
     return STATUS_OK;
 }
 
+/* Tunable parameters are taken in continuous-time mode, too, where the standards leave it open what
+ * happens: importers that evaluate functions of (x, u, p) set all of them there. */
 static Status check_parameter(const Component *component, const char *call, unsigned reference,
                               size_t i, double value) {
     const Mode mode = component->state.mode;
     if (!(mode & MODES_BEFORE_RUN) && !model_p_tunable[i]) {
         return refuse_set(component, call, reference, "after initialization, it is fixed");
-    }
-    if (mode == MODE_CONTINUOUS_TIME) {
-        return refuse_set(component, call, reference, "in continuous-time mode");
     }
     if (!(value >= model_p_minimum[i] && value <= model_p_maximum[i])) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
@@ -87,6 +86,13 @@ static Status check_parameter(const Component *component, const char *call, unsi
     }
     return STATUS_OK;
 }
+
+/* Continuous states may be set wherever their value is the importer's business. */
+#if FMI_VERSION == 3
+enum { MODES_TO_SET_STATES = MODES_BEFORE_RUN | MODE_CONTINUOUS_TIME | MODE_EVENT };
+#else
+enum { MODES_TO_SET_STATES = MODES_BEFORE_RUN | MODE_CONTINUOUS_TIME };
+#endif
 
 static Status check_set(const Component *component, const char *call, unsigned reference,
                         double value) {
@@ -102,7 +108,7 @@ static Status check_set(const Component *component, const char *call, unsigned r
     }
     switch (variable_class) {
     case STATE:
-        return component->state.mode & MODES_BEFORE_RUN
+        return component->state.mode & MODES_TO_SET_STATES
                    ? STATUS_OK
                    : refuse_set(component, call, reference, "by value after initialization");
     case INPUT:
@@ -171,7 +177,7 @@ static Status component_set_states(Component *component, const char *call, const
     return STATUS_OK;
 }
 
-enum { MODES_TO_READ_STATES = MODES_WITH_EQUATIONS | MODE_INSTANTIATED | MODE_FAILED };
+enum { MODES_TO_READ_STATES = MODES_WITH_EQUATIONS | MODE_FAILED };
 
 static Status component_get_states(const Component *component, const char *call, double x[],
                                    size_t n) {
@@ -184,7 +190,8 @@ static Status component_get_states(const Component *component, const char *call,
 
 static Status component_get_nominals(const Component *component, const char *call,
                                      double nominals[], size_t n) {
-    const Status status = check_vector(component, call, nominals, n, MODES_TO_READ_STATES);
+    const int legal = MODES_TO_READ_STATES | MODE_INSTANTIATED;
+    const Status status = check_vector(component, call, nominals, n, legal);
     if (status == STATUS_OK && n > 0) {
         memcpy(nominals, model_x_nominal, n * sizeof(double));
     }
@@ -193,10 +200,16 @@ static Status component_get_nominals(const Component *component, const char *cal
 
 static Status component_get_derivatives(Component *component, const char *call, double dx[],
                                         size_t n) {
-    const Status status = check_vector(component, call, dx, n, MODES_WITH_EQUATIONS);
+    const Status status = check_vector(component, call, dx, n, MODES_TO_READ_STATES);
     if (status == STATUS_OK && n > 0) {
         update_derivatives(component);
         memcpy(dx, component->dx, n * sizeof(double));
+        for (size_t i = 0; i < n; i++) {
+            if (!isfinite(dx[i])) {
+                return component_log(component, STATUS_DISCARD, LOG_WARNING, "%s: '%s' is %g.",
+                                     call, model_names[DERIVATIVE_REFERENCE + i], dx[i]);
+            }
+        }
     }
     return status;
 }
