@@ -23,61 +23,74 @@ LIBRARIES = (".so", ".dll", ".dylib")
 
 @dataclass(frozen=True)
 class Bridge:
-    """A bridge and what it calls things; `extra` is the project's extra that installs it."""
+    """A bridge and what it calls things; a step that `failed` returns that, Discard in FMI 2 (its
+    library knows no other) and Error in FMI 3; `extra` is the extra that installs it."""
 
     package: str
     version: int
     number: str
     experiment: str
+    failed: str
     extra: str = ""
 
 
 BRIDGES = {
-    2: Bridge("pythonfmu", 2, "real", "start_time, stop_time, tolerance"),
-    3: Bridge("pythonfmu3", 3, "float64", "start_time", "portable3"),
+    2: Bridge("pythonfmu", 2, "real", "start_time, stop_time, tolerance", "False"),
+    3: Bridge(
+        "pythonfmu3",
+        3,
+        "float64",
+        "start_time",
+        "pythonfmu3.Fmi3StepResult(Fmi3Status.error)",
+        "portable3",
+    ),  # fmt: skip,
 }
 
 _SCRIPT = '''"""{name}: the module that {bridge} loads."""
 
-from {bridge} import Fmi{version}Slave
+import {bridge}
 from {bridge}.enums import Fmi{version}Status
 
 from {package}.exit_order import release_python_before_exit
-from {package}.instance import Instance, StepError
+from {package}.guard import Guard, state_from_bytes, state_to_bytes
+from {package}.instance import Instance
 from {package}.tables import MODEL
 
 
-class {name}(Fmi{version}Slave):
+class {name}({bridge}.Fmi{version}Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self._instance = Instance(MODEL)
+        self._guard = Guard(Instance(MODEL), lambda text: self.log(text, Fmi{version}Status.error))
         release_python_before_exit(self.resources)
 
     def setup_experiment(self, {experiment}):
-        self._instance.setup_experiment({experiment})
+        self._guard.setup_experiment({experiment})
 
     def exit_initialization_mode(self):
-        self._instance.exit_initialization_mode()
+        self._guard.exit_initialization_mode()
 
     def do_step(self, current_time, step_size):
-        try:
-            self._instance.do_step(current_time, step_size)
-        except StepError as failure:
-            self.log(str(failure), Fmi{version}Status.error)
-            return False
-        return True
+        return self._guard.do_step(current_time, step_size) or {failed}
 
     def get_{number}(self, vrs):
-        return self._instance.get_real(vrs)
+        return self._guard.get_real(vrs)
 
     def set_{number}(self, vrs, values):
-        self._instance.set_real(vrs, values)
+        self._guard.set_real(vrs, values)
 
     def _get_fmu_state(self):
-        return self._instance.get_state()
+        return self._guard.get_state()
 
     def _set_fmu_state(self, state):
-        self._instance.set_state(state)
+        self._guard.set_state(state)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return state_to_bytes(state, "{package}")
+
+    @staticmethod
+    def _fmu_state_from_bytes(data):
+        return state_from_bytes(data, "{package}")
 '''
 
 
@@ -95,7 +108,7 @@ def bundled_parts(
     package = f"{module}_parts"
     script = _SCRIPT.format(
         name=name, bridge=bridge.package, version=bridge.version, number=bridge.number,
-        experiment=bridge.experiment, package=package,
+        experiment=bridge.experiment, failed=bridge.failed, package=package,
     )  # fmt: skip
     files = [path for folder in (SHARED_PARTS, parts) for path in sorted(folder.glob("*.py"))]
     texts = {path.name: path.read_bytes() for path in files}

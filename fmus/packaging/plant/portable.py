@@ -75,12 +75,14 @@ def equations_source(expressions: PlantExpressions) -> str:
         for p in plant.parameters
     ]
     tables = {
+        "names": list(expressions.interface.names),
         "state_names": [state.name for state in plant.states],
         "x_start": [float(state.start) for state in plant.states],
         "x_nominal": [float(state.nominal) for state in plant.states],
         "u_start": [float(variable.start) for variable in plant.inputs],
         "p_start": [float(parameter.value) for parameter in plant.parameters],
         "p_range": bounds,
+        "p_tunable": [parameter.tunable for parameter in plant.parameters],
         "n_outputs": n_y,
         "relative_tolerance": RELATIVE_TOLERANCE,
     }

@@ -79,6 +79,8 @@ class Instance:
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values by value reference, 0 being time."""
+        if unknown := [vr for vr in vrs if not 0 <= vr <= len(self._values)]:
+            raise ValueError(f"There is no variable with value reference {unknown[0]}.")
         return [self._time if vr == 0 else float(self._values[vr - 1]) for vr in vrs]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
@@ -92,7 +94,7 @@ class Instance:
         n_u, n_y, n_p, n_x = self._model.sizes
         index = vr - 1
         if not 0 <= index < n_u + n_y + n_p + n_x:
-            raise ValueError(f"Value reference {vr} is no variable that can be set.")
+            raise ValueError(f"Value reference {vr} cannot be set, it is calculated or unknown.")
         name = self._model.names[index]
         if not isfinite(value):
             raise ValueError(f"{name!r} cannot be set to {value}, values must be finite.")

@@ -26,6 +26,7 @@ class _Values:
     x: list[float]
     u: list[float]
     p: list[float]
+    running: bool = False
 
 
 class StepError(Exception):
@@ -51,7 +52,15 @@ class Instance:
             self._values.relative_tolerance = tolerance
 
     def exit_initialization_mode(self) -> None:
-        """A plant has nothing to do here."""
+        """From now on states and fixed parameters are not set any more.
+
+        Raises ValueError when a derivative is not finite with the initial values."""
+        values, model = self._values, self._model
+        rates = model.derivatives(values.x, values.u, values.p)
+        for name, rate in zip(model.names[1 + len(values.x) :], rates, strict=False):
+            if not isfinite(rate):
+                raise ValueError(f"{name!r} is {rate} with the initial values.")
+        values.running = True
 
     def do_step(self, current_time: float, step_size: float) -> None:
         """Step, or raise StepError and keep the values as they were."""
@@ -81,6 +90,8 @@ class Instance:
         table = [values.time, *values.x]
         table += model.derivatives(values.x, values.u, values.p)
         table += [*values.u, *model.outputs(values.x, values.u, values.p), *values.p]
+        if unknown := [vr for vr in vrs if not 0 <= vr < len(table)]:
+            raise ValueError(f"There is no variable with value reference {unknown[0]}.")
         return [table[reference] for reference in vrs]
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
@@ -93,19 +104,24 @@ class Instance:
     def _place(self, reference: int, value: float) -> tuple[list[float], int]:
         model, stored = self._model, self._values
         n_x, n_u, n_y = len(stored.x), len(stored.u), model.n_outputs
+        name = model.names[reference] if 0 <= reference < len(model.names) else "?"
         if not isfinite(value):
-            raise ValueError(f"Value reference {reference} cannot be set to {value}.")
+            raise ValueError(f"{name!r} cannot be set to {value}, values must be finite.")
         if 1 <= reference <= n_x:
+            if stored.running:
+                raise ValueError(f"{name!r} cannot be set by value after initialization.")
             return stored.x, reference - 1
         index = reference - 1 - 2 * n_x
         if 0 <= index < n_u:
             return stored.u, index
         index -= n_u + n_y
         if not 0 <= index < len(stored.p):
-            raise ValueError(f"Value reference {reference} is no variable that can be set.")
+            raise ValueError(f"{name!r} (value reference {reference}) cannot be set at all.")
         low, high = model.p_range[index]
+        if stored.running and not model.p_tunable[index]:
+            raise ValueError(f"{name!r} cannot be set after initialization, it is fixed.")
         if not low <= value <= high:
-            raise ValueError(f"Value reference {reference}: {value} is not in [{low}, {high}].")
+            raise ValueError(f"{name!r} = {value} lies outside of its range, {low} to {high}.")
         return stored.p, index
 
     def get_state(self) -> dict[str, Any]:

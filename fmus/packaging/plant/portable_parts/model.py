@@ -10,14 +10,17 @@ Vector = list[float]
 
 @dataclass(frozen=True)
 class Model:
-    """Tables and functions of (x, u, p) of one plant; `linearise` returns dx and df/dx by rows."""
+    """Tables and functions of (x, u, p) of one plant, `names` by value
+    reference; `linearise` returns dx and df/dx by rows."""
 
+    names: tuple[str, ...]
     state_names: tuple[str, ...]
     x_start: tuple[float, ...]
     x_nominal: tuple[float, ...]
     u_start: tuple[float, ...]
     p_start: tuple[float, ...]
     p_range: tuple[tuple[float, float], ...]
+    p_tunable: tuple[bool, ...]
     n_outputs: int
     relative_tolerance: float
     derivatives: Callable[[Vector, Vector, Vector], Vector]
