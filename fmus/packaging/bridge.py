@@ -18,6 +18,7 @@ from pathlib import Path
 from fmus.packaging.errors import PackagingError
 
 SHARED_PARTS = Path(__file__).parent / "portable_parts"
+PYTHON_NEEDED = "Python 3.9 or newer, 64 bit, with its shared library"
 LIBRARIES = (".so", ".dll", ".dylib")
 
 

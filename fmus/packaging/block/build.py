@@ -14,6 +14,7 @@ from fmus.packaging.archive import UNKNOWN_TOKEN, compiled_binaries, content_has
 from fmus.packaging.block.description import block_description
 from fmus.packaging.block.extra import ExtraFiles, extra_name, write_with_extra
 from fmus.packaging.block.interface import BlockModel
+from fmus.packaging.block.page import block_documents
 from fmus.packaging.block.sources import block_source_files
 from fmus.packaging.cache import made_by, place, write_atomically
 from fmus.packaging.compiler import Target, find_targets
@@ -48,10 +49,13 @@ def cached_block_fmu(
 def block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
     """Everything in the FMU but binaries and extra files, by path in the archive."""
 
+    papers = block_documents(model, fmi_version)
+
     def generate(token: str) -> dict[str, bytes]:
         made_from = block_source_files(model, fmi_version, token) | {"step.ll": model.step.encode()}
         return {
             "modelDescription.xml": block_description(model, fmi_version, token),
+            **papers,
             **{f"{BUILD_FOLDER}/{name}": data for name, data in made_from.items()},
         }
 

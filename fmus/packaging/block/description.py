@@ -34,13 +34,13 @@ def block_description(
 ) -> bytes:
     """The file's bytes, UTF-8, indented; `portable` says that it needs Python."""
     root = root_element(
-        model.name, f"{model.description} {_timing(model)}", model.version, fmi_version, token
+        model.name, f"{model.description} {timing(model)}", model.version, fmi_version, token
     )
     _interface_type(root, model, fmi_version, portable)
     entries = block_entries(model)
     unit_definitions(root, {e.unit: _meaning(e.unit) for e in entries if e.unit})
     log_categories(root, LOG_CATEGORIES)
-    ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=_seconds(model.sample_time_ns))
+    ET.SubElement(root, "DefaultExperiment", _experiment(model))
     variables = ET.SubElement(root, "ModelVariables")
     for reference, entry in enumerate(entries):
         add_variable(variables, fmi_version, reference, entry, {})
@@ -50,7 +50,8 @@ def block_description(
     return xml_bytes(root)
 
 
-def _timing(model: BlockModel) -> str:
+def timing(model: BlockModel) -> str:
+    """When the block computes, and what that means in a system."""
     phase = f", the first at {_seconds(model.phase_ns)} s" if model.phase_ns else ""
     return (
         f"Computes every {_seconds(model.sample_time_ns)} s{phase}: a step from t computes the "
@@ -77,6 +78,17 @@ def _interface_type(root: ET.Element, model: BlockModel, fmi_version: int, porta
     if portable:
         attributes["needsExecutionTool"] = "true"
     ET.SubElement(root, "CoSimulation", attributes)
+
+
+def _experiment(model: BlockModel) -> dict[str, str]:
+    """A hundred samples; a tolerance is taken and not used, as nothing is integrated."""
+    stop = model.phase_ns + 100 * model.sample_time_ns
+    return {
+        "startTime": "0",
+        "stopTime": _seconds(stop),
+        "tolerance": "0.0001",
+        "stepSize": _seconds(model.sample_time_ns),
+    }
 
 
 def _seconds(nanoseconds: int) -> str:

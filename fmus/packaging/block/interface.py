@@ -43,7 +43,8 @@ class BlockVariable:
 @dataclass(frozen=True)
 class BlockModel:
     """A block as data. `name` is the model's identifier; sample k is due at `phase_ns` plus k times
-    `sample_time_ns` after the start; `step` is the LLVM module of the module's docstring."""
+    `sample_time_ns` after the start; `step` is the LLVM module of the module's docstring;
+    `equations` says in words what it computes."""
 
     name: str
     description: str
@@ -55,6 +56,7 @@ class BlockModel:
     step: str
     phase_ns: int = 0
     version: str = "1.0"
+    equations: str = ""
 
     def __post_init__(self) -> None:
         """Raise PackagingError for what no FMU could carry."""

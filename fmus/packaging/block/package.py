@@ -52,6 +52,7 @@ def package_block(
     targets: Sequence[str] = (),
     extra: ExtraFiles | None = None,
     portable: bool = False,
+    equations: str = "",
 ) -> Path:
     """`cached_block_fmu` for a block as whoever compiles its `step` has it: signals with name,
     unit, description and start, values as arrays, names where there are any. `step()` gives the
@@ -74,6 +75,7 @@ def package_block(
         tuple(BlockVariable(n, float(value)) for n, value in zip(x_names, state, strict=True)),
         _known_step(step, step_key),
         phase_ns,
+        equations=equations,
     )
     if portable:
         return cached_portable_block(model, fmi_version, extra)

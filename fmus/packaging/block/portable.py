@@ -14,7 +14,8 @@ from fmus.packaging.archive import UNKNOWN_TOKEN, content_hash, content_token
 from fmus.packaging.block.description import block_description
 from fmus.packaging.block.extra import ExtraFiles, extra_name, write_with_extra
 from fmus.packaging.block.interface import BlockModel, block_entries
-from fmus.packaging.bridge import bridge_files, bundled_parts
+from fmus.packaging.block.page import block_documents
+from fmus.packaging.bridge import PYTHON_NEEDED, bridge_files, bundled_parts
 from fmus.packaging.cache import place, write_atomically
 
 PARTS = Path(__file__).parent / "portable_parts"
@@ -35,11 +36,14 @@ def cached_portable_block(
 def portable_block_files(model: BlockModel, fmi_version: int) -> dict[str, bytes]:
     """All files of the FMU by path in the archive."""
     bundled = bridge_files(model.name, fmi_version)
+    needs = (PYTHON_NEEDED, "numpy 1.20 or newer")
+    papers = block_documents(model, fmi_version, needs)
     generated = {"step": model.step, "tables": _tables(model)}
 
     def generate(token: str) -> dict[str, bytes]:
         return {
             "modelDescription.xml": block_description(model, fmi_version, token, portable=True),
+            **papers,
             **bundled_parts(model.name, fmi_version, token, PARTS, generated),
         }
 

@@ -146,7 +146,7 @@ def _own_sources() -> str:
 def _source_hash(root: Path) -> str:
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*")):
-        if path.suffix in (".py", ".c", ".h") and path.is_file():
+        if path.suffix in (".py", ".c", ".h", ".txt") and path.is_file():
             digest.update(path.relative_to(root).as_posix().encode() + b"\0")
             digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()

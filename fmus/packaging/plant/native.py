@@ -11,12 +11,13 @@ from fmus.declaration import PlantModel
 from fmus.packaging.archive import UNKNOWN_TOKEN, compiled_binaries, content_token, write_archive
 from fmus.packaging.c_source import MAIN_SOURCE
 from fmus.packaging.compiler import Target
+from fmus.packaging.documentation import documents
 from fmus.packaging.errors import PackagingError
 from fmus.packaging.model_description import xml_bytes
 from fmus.packaging.plant.codegen import source_files
-from fmus.packaging.plant.documentation import documentation_page
 from fmus.packaging.plant.expressions import plant_expressions
 from fmus.packaging.plant.model_description import model_description
+from fmus.packaging.plant.page import plant_page
 from fmus.packaging.plant.structure import model_structure
 
 FMI_VERSIONS = (2, 3)
@@ -39,6 +40,9 @@ def native_content(plant: PlantModel, fmi_version: int) -> NativeContent:
     expressions = plant_expressions(plant)
     structure = model_structure(expressions)
 
+    names = [[v.name for v in group] for group in (plant.inputs, plant.outputs)]
+    papers = documents(plant_page(plant), fmi_version, *names)
+
     def generate(token: str) -> dict[str, bytes]:
         files = {
             f"sources/{name}": text
@@ -47,8 +51,7 @@ def native_content(plant: PlantModel, fmi_version: int) -> NativeContent:
         files["modelDescription.xml"] = model_description(
             expressions.interface, structure, fmi_version, token
         )
-        page = "index.html" if fmi_version == 3 else "_main.html"
-        files[f"documentation/{page}"] = documentation_page(plant)
+        files |= papers
         if fmi_version == 3:
             files["sources/buildDescription.xml"] = _build_description(plant.name)
         return files

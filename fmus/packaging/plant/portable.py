@@ -15,13 +15,14 @@ from typing import Any
 
 from fmus.declaration import PlantModel
 from fmus.packaging.archive import UNKNOWN_TOKEN, content_token, write_archive
-from fmus.packaging.bridge import bridge_files, bundled_parts
+from fmus.packaging.bridge import PYTHON_NEEDED, bridge_files, bundled_parts
+from fmus.packaging.documentation import documents
 from fmus.packaging.plant.codegen import equations_of
-from fmus.packaging.plant.documentation import documentation_page
 from fmus.packaging.plant.emit import PYTHON, statements
 from fmus.packaging.plant.expressions import PlantExpressions, plant_expressions
 from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
 from fmus.packaging.plant.model_description import model_description
+from fmus.packaging.plant.page import plant_page
 from fmus.packaging.plant.structure import model_structure
 
 PARTS = Path(__file__).parent / "portable_parts"
@@ -47,12 +48,13 @@ def portable_content(plant: PlantModel, fmi_version: int = 2) -> PortableContent
         )
         return {
             "modelDescription.xml": description,
-            f"documentation/{page}": documentation_page(plant),
+            **papers,
             **bundled_parts(plant.name, fmi_version, token, PARTS, {"tables": equations}),
         }
 
     bundled = bridge_files(plant.name, fmi_version)
-    page = "index.html" if fmi_version == 3 else "_main.html"
+    names = [[v.name for v in group] for group in (plant.inputs, plant.outputs)]
+    papers = documents(plant_page(plant), fmi_version, *names, needs=(PYTHON_NEEDED,))
     token = content_token({**generate(UNKNOWN_TOKEN), **bundled})
     return PortableContent(token, {**generate(token), **bundled})
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from controllers.block import Array, Block, Signal
+from controllers.core.block import Array, Block, Signal
 from harness.errors import FmuError
 from harness.export.controller import controller_fmu
 from harness.fmi.fmu import Fmu
