@@ -7,10 +7,12 @@ permissions; the token is a hash of everything that was generated.
 from __future__ import annotations
 
 import hashlib
+import os
 import tempfile
 import uuid
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from fmus.packaging.c_source import MAIN_SOURCE
@@ -45,23 +47,25 @@ def compiled_binaries(
 
     `object_for` gives an object file for a platform tuple, to be linked with the sources.
     """
-    found = {}
-    for target in targets:
-        platform = target.platform
+    objects = [object_for(t.platform.tuple) if object_for else None for t in targets]
+
+    def compiled(target: Target, step: bytes | None) -> bytes:
         with tempfile.TemporaryDirectory(prefix="fmu-harness-") as folder:
             for source, data in sources.items():
                 Path(folder, source).write_bytes(data)
-            objects: tuple[str, ...] = ()
-            if object_for is not None:
-                objects = ("step.o",)
-                Path(folder, "step.o").write_bytes(object_for(platform.tuple))
-            library = Path(folder, f"{name}{platform.suffix}")
+            if step is not None:
+                Path(folder, "step.o").write_bytes(step)
+            library = Path(folder, f"{name}{target.platform.suffix}")
+            linked = () if step is None else ("step.o",)
             compile_library(
-                target.compiler, Path(folder), MAIN_SOURCE, library, fmi_version, objects
+                target.compiler, Path(folder), MAIN_SOURCE, library, fmi_version, linked
             )
-            binary = f"binaries/{platform.folder(fmi_version)}/{library.name}"
-            found[binary] = library.read_bytes()
-    return found
+            return library.read_bytes()
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # each thread waits for a compiler's process
+        libraries = list(pool.map(compiled, targets, objects))
+    places = [f"{t.platform.folder(fmi_version)}/{name}{t.platform.suffix}" for t in targets]
+    return {f"binaries/{place}": data for place, data in zip(places, libraries, strict=True)}
 
 
 def write_archive(files: dict[str, bytes], path: Path) -> None:
