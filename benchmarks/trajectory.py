@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from fmus.packaging.functions import plant_functions
+from fmus.packaging.plant.functions import plant_functions
 from fmus.plant import Plant
 
 Array = NDArray[np.float64]

@@ -14,7 +14,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.plant import Parameter, Plant, State, Variable
+from fmus.declaration import Parameter, State, Variable
+from fmus.plant import Plant
 
 Array = NDArray[np.float64]
 

@@ -1,115 +1,43 @@
-"""What a plant is, before any FMU exists: variables, parameters and one function of equations.
-
-    dx/dt = f(x, u, p)        y = h(x, u, p)
-
-The equations are written once, over CasADi symbols; native FMU, portable FMU, Jacobians and the
-README table are made from them. A plant is time-invariant, smooth in what the solver sees, and
-has no events. This module refuses to know how an FMU is made (`fmus.packaging`).
-"""
+"""A plant that makes its own FMU: what entry points of the group `fmu_harness.plants` name."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from fmus.declaration import PlantModel
 
 if TYPE_CHECKING:
-    from fmus.packaging.reference import PlantReference
-
-Equations = Callable[
-    [SimpleNamespace, SimpleNamespace, SimpleNamespace], tuple[Mapping[str, Any], Mapping[str, Any]]
-]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """An input or output: `unit` in SI, `nominal` its order of magnitude, `start` for inputs."""
-
-    name: str
-    unit: str
-    description: str
-    start: float = 0.0
-    nominal: float = 1.0
-
-
-@dataclass(frozen=True)
-class State:
-    """A continuous state: `start` is its default initial value, `nominal` scales its tolerance."""
-
-    name: str
-    unit: str
-    description: str
-    start: float
-    nominal: float
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter: `source` says where the value comes from (table of the paper, or our choice
-    with its reason); `minimum` and `maximum` bound what a user may set; `tunable` ones may change
-    during a run."""
-
-    name: str
-    unit: str
-    description: str
-    value: float
-    source: str
-    minimum: float | None = None
-    maximum: float | None = None
-    tunable: bool = True
-
-
-@dataclass(frozen=True)
-class DisplayUnit:
-    """How people read a unit: display = factor * SI + offset, e.g. ("Pa", "bar", 1e-5)."""
-
-    unit: str
-    name: str
-    factor: float
-    offset: float = 0.0
+    from fmus.packaging.plant.reference import PlantReference
 
 
 @dataclass(frozen=True, eq=False)
-class Plant:
-    """A plant as data.
+class Plant(PlantModel):
+    """A declared plant (`PlantModel`) with its FMU and its reference.
 
-    `equations(x, u, p)` gets namespaces of CasADi SX scalars, one attribute a state, input and
-    parameter, and returns two mappings: derivative by state name, value by output name.
-    `step_size` is the communication step (s) proposed to importing tools.
+    Both need CasADi, which is imported when they are asked for.
     """
-
-    name: str
-    description: str
-    states: tuple[State, ...]
-    inputs: tuple[Variable, ...]
-    outputs: tuple[Variable, ...]
-    parameters: tuple[Parameter, ...]
-    equations: Equations
-    step_size: float = 0.01
-    stop_time: float = 1.0
-    display_units: tuple[DisplayUnit, ...] = ()
-    version: str = "1.0"
 
     def fmu(
         self, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
     ) -> Path:
         """Path of this plant's FMU in the user cache, built when it is not there yet.
 
-        `fmi_version` is 2 or 3; `portable` asks for the pythonfmu packaging (FMI 2 only);
+        `fmi_version` is 2 or 3; `portable` asks for the packaging in Python;
         `targets` are the platforms of its binaries, such as "aarch64-linux", or "all".
-        Raises `fmus.packaging.PackagingError` when it cannot be built.
+        Raises `fmus.packaging.errors.PackagingError` when it cannot be built.
         """
-        from fmus.packaging import cached_fmu
+        from fmus.packaging.plant.build import cached_fmu
 
         return cached_fmu(self, fmi_version, portable=portable, targets=targets)
 
     def reference(self) -> PlantReference:
         """The equations stepped in this process, without any FMU, from the start values.
 
-        Raises `fmus.packaging.PackagingError` when the plant is not sound.
+        Raises `fmus.packaging.errors.PackagingError` when the plant is not sound.
         """
-        from fmus.packaging.reference import PlantReference
+        from fmus.packaging.plant.reference import PlantReference
 
         return PlantReference(self)

@@ -24,7 +24,8 @@ CONTROLLERS = "fmu_harness.controllers"
 ALGORITHMS = "fmu_harness.algorithms"
 EXPERIMENTS = "fmu_harness.experiments"
 PACKAGERS = "fmu_harness.packagers"
-_OWN_PACKAGERS = {"native": "fmus.packaging.blocks:package_block"}  # where none is registered
+# where none is registered
+_OWN_PACKAGERS = {"native": "fmus.packaging.block.package:package_block"}
 
 
 class Plant(Protocol):

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from math import pi
 from types import SimpleNamespace
 
+from fmus.declaration import Parameter, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.axis_interface import (
     DISPLAY_UNITS,
@@ -23,7 +24,7 @@ from fmus.physics.axis_interface import (
 from fmus.physics.axis_parameters import Value, axis_parameters
 from fmus.physics.electro_hydraulic_actuator import Axis, axis
 from fmus.physics.smooth import Expression
-from fmus.plant import Parameter, Plant, Variable
+from fmus.plant import Plant
 
 TABLE_3 = "Ahn & Truong 2009, Table 3"
 

@@ -19,9 +19,10 @@ from types import SimpleNamespace
 
 import casadi as ca
 
+from fmus.declaration import DisplayUnit, Parameter, State, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.smooth import Expression, signed_root
-from fmus.plant import DisplayUnit, Parameter, Plant, State, Variable
+from fmus.plant import Plant
 
 TABLE_1 = "Raheem 2013, Table 1"
 RIG = "our choice: the test rig of Alleyne and Yao, whose other values Table 1 repeats"

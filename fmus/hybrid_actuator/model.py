@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from math import pi
 from types import SimpleNamespace
 
+from fmus.declaration import Parameter, State, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.axis_interface import (
     DISPLAY_UNITS,
@@ -26,7 +27,7 @@ from fmus.physics.axis_parameters import Value, axis_parameters
 from fmus.physics.electro_hydraulic_actuator import Axis, axis
 from fmus.physics.mechanics import CouplingSpring
 from fmus.physics.smooth import Expression
-from fmus.plant import Parameter, Plant, State, Variable
+from fmus.plant import Plant
 
 TABLE_1 = "Ahn & Truong 2009, Table 1"
 

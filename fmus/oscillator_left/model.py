@@ -12,9 +12,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import SimpleNamespace
 
+from fmus.declaration import Parameter, State, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.smooth import Expression
-from fmus.plant import Parameter, Plant, State, Variable
+from fmus.plant import Plant
 
 OURS = "our choice: round numbers, angular frequency 10 rad/s alone"
 

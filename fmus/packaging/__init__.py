@@ -1,6 +1,5 @@
-"""The only place that makes FMUs: a plant (`fmus.plant`) goes in, an `.fmu` comes out."""
+"""The only place that makes FMUs: `plant/` of plants, `block/` of discrete-time blocks.
 
-from fmus.packaging.cache import cache_directory, cached_fmu, fmu_file
-from fmus.packaging.errors import PackagingError, PortableFallback
-
-__all__ = ["PackagingError", "PortableFallback", "cache_directory", "cached_fmu", "fmu_file"]
+What both share lies here: archive, cache, C compiler, model description, the C runtime in `c/`.
+Arrows point from `plant/` and `block/` to here, and `block/` and `plant/` do not know each other.
+"""

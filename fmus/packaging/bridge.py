@@ -2,7 +2,7 @@
 
 Each comes as a wheel with a small library that starts Python, for the platforms that its authors
 build for, and with the Python files that the library talks to. Both are bundled into a portable
-FMU. The modules that they load differ in names only: `slave_script` writes them.
+FMU. The modules that they load differ in names only.
 
 Nothing of a bridge is imported here: a portable FMU loaded into this process may have put its own
 first.
@@ -10,82 +10,115 @@ first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from fmus.packaging.errors import PackagingError
 
+SHARED_PARTS = Path(__file__).parent / "portable_parts"
+PYTHON_NEEDED = "Python 3.9 or newer, 64 bit, with its shared library"
 LIBRARIES = (".so", ".dll", ".dylib")
 
 
 @dataclass(frozen=True)
 class Bridge:
-    """A bridge and what it calls things; `extra` is the project's extra that installs it."""
+    """A bridge and what it calls things; a step that `failed` returns that, Discard in FMI 2 (its
+    library knows no other) and Error in FMI 3; `extra` is the extra that installs it."""
 
     package: str
     version: int
     number: str
     experiment: str
+    failed: str
     extra: str = ""
 
 
 BRIDGES = {
-    2: Bridge("pythonfmu", 2, "real", "start_time, stop_time, tolerance"),
-    3: Bridge("pythonfmu3", 3, "float64", "start_time", "portable3"),
+    2: Bridge("pythonfmu", 2, "real", "start_time, stop_time, tolerance", "False"),
+    3: Bridge(
+        "pythonfmu3",
+        3,
+        "float64",
+        "start_time",
+        "pythonfmu3.Fmi3StepResult(Fmi3Status.error)",
+        "portable3",
+    ),  # fmt: skip,
 }
 
 _SCRIPT = '''"""{name}: the module that {bridge} loads."""
 
-from {bridge} import Fmi{version}Slave
+import {bridge}
 from {bridge}.enums import Fmi{version}Status
 
 from {package}.exit_order import release_python_before_exit
-from {package}.instance import Instance, StepError
-from {package}.{tables} import MODEL
+from {package}.guard import Guard, state_from_bytes, state_to_bytes
+from {package}.instance import Instance
+from {package}.tables import MODEL
 
 
-class {name}(Fmi{version}Slave):
+class {name}({bridge}.Fmi{version}Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self._instance = Instance(MODEL)
+        self._guard = Guard(Instance(MODEL), lambda text: self.log(text, Fmi{version}Status.error))
         release_python_before_exit(self.resources)
 
     def setup_experiment(self, {experiment}):
-        self._instance.setup_experiment({experiment})
+        self._guard.setup_experiment({experiment})
 
     def exit_initialization_mode(self):
-        self._instance.exit_initialization_mode()
+        self._guard.exit_initialization_mode()
 
     def do_step(self, current_time, step_size):
-        try:
-            self._instance.do_step(current_time, step_size)
-        except StepError as failure:
-            self.log(str(failure), Fmi{version}Status.error)
-            return False
-        return True
+        return self._guard.do_step(current_time, step_size) or {failed}
 
     def get_{number}(self, vrs):
-        return self._instance.get_real(vrs)
+        return self._guard.get_real(vrs)
 
     def set_{number}(self, vrs, values):
-        self._instance.set_real(vrs, values)
+        self._guard.set_real(vrs, values)
 
     def _get_fmu_state(self):
-        return self._instance.get_state()
+        return self._guard.get_state()
 
     def _set_fmu_state(self, state):
-        self._instance.set_state(state)
+        self._guard.set_state(state)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state):
+        return state_to_bytes(state, "{package}")
+
+    @staticmethod
+    def _fmu_state_from_bytes(data):
+        return state_from_bytes(data, "{package}")
 '''
 
 
-def slave_script(name: str, fmi_version: int, package: str, tables: str) -> str:
-    """The module for an FMU called `name`, whose parts are in `package`, its model in `tables`."""
+def bundled_parts(
+    name: str, fmi_version: int, token: str, parts: Path, generated: Mapping[str, str]
+) -> dict[str, bytes]:
+    """The folder `resources` of a portable FMU but the bridge itself, by path in the archive.
+
+    The FMU's own modules are those of the folder `parts`, those that all share, and the text of
+    `generated` by name, which holds the model in `tables`. They sit in a package whose name holds
+    the FMU's token, as FMUs in one process share modules of the same name.
+    """
     bridge = BRIDGES[fmi_version]
-    return _SCRIPT.format(
+    module = f"{name}_{token.strip('{}').replace('-', '')}"
+    package = f"{module}_parts"
+    script = _SCRIPT.format(
         name=name, bridge=bridge.package, version=bridge.version, number=bridge.number,
-        experiment=bridge.experiment, package=package, tables=tables,
+        experiment=bridge.experiment, failed=bridge.failed, package=package,
     )  # fmt: skip
+    files = [path for folder in (SHARED_PARTS, parts) for path in sorted(folder.glob("*.py"))]
+    texts = {path.name: path.read_bytes() for path in files}
+    texts |= {f"{name}.py": text.encode() for name, text in generated.items()}
+    return {
+        "resources/slavemodule.txt": module.encode(),
+        f"resources/{module}.py": script.encode(),
+        **{f"resources/{package}/{name}": text for name, text in texts.items()},
+    }
 
 
 def bridge_files(name: str, fmi_version: int) -> dict[str, bytes]:

@@ -1,55 +1,15 @@
-"""modelDescription.xml for FMI 2.0 and FMI 3.0.
-
-Capabilities are declared where the runtime in `c/` has them and nowhere else. The token is a hash
-of content and stands in for itself while it is computed (`archive.py`).
-"""
+"""modelDescription.xml for FMI 2.0 and FMI 3.0: the parts that plants and blocks share."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from xml.etree import ElementTree as ET
 
-from fmus.packaging.codegen import MAIN_SOURCE
-from fmus.packaging.interface import RELATIVE_TOLERANCE, Interface
-from fmus.packaging.structure import ModelStructure, Unknown
-from fmus.packaging.units import BaseUnit, base_unit
-from fmus.packaging.variables import VariableEntry, variable_entries
-from fmus.plant import DisplayUnit, Plant
+from fmus.declaration import DisplayUnit
+from fmus.packaging.units import BaseUnit
+from fmus.packaging.variables import ModelStructure, Unknown, VariableEntry
 
-LOG_CATEGORIES = {
-    "logEvents": "Life cycle of the instance",
-    "logSolver": "Substeps of each communication step",
-    "logStatusWarning": "Warnings, always sent",
-    "logStatusError": "Errors, always sent",
-}
 Attributes = dict[str, str]
-
-
-def model_description(
-    interface: Interface,
-    structure: ModelStructure,
-    fmi_version: int,
-    token: str,
-    *,
-    portable: bool = False,
-) -> bytes:
-    """The file's bytes, UTF-8, indented; `portable` declares what pythonfmu's library can do."""
-    plant = interface.plant
-    root = root_element(plant.name, plant.description, plant.version, fmi_version, token)
-    entries = variable_entries(interface)
-    if portable:
-        _portable_interface(root, interface.plant.name, fmi_version)
-    else:
-        _interface_types(root, interface.plant.name, fmi_version)
-    unit_definitions(root, {e.unit: base_unit(e.unit) for e in entries}, plant.display_units)
-    log_categories(root, LOG_CATEGORIES)
-    ET.SubElement(root, "DefaultExperiment", _experiment(interface.plant))
-    displays = _display_names(interface.plant.display_units)
-    variables = ET.SubElement(root, "ModelVariables")
-    for reference, entry in enumerate(entries):
-        add_variable(variables, fmi_version, reference, entry, displays)
-    add_structure(root, fmi_version, structure)
-    return xml_bytes(root)
 
 
 def xml_bytes(root: ET.Element) -> bytes:
@@ -76,55 +36,6 @@ def root_element(
     if fmi_version == 2:
         attributes["numberOfEventIndicators"] = "0"
     return ET.Element("fmiModelDescription", attributes)
-
-
-def _interface_types(root: ET.Element, identifier: str, fmi_version: int) -> None:
-    common = {"modelIdentifier": identifier}
-    stepping = {"canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "1"}
-    if fmi_version == 3:
-        common |= {
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
-            "providesDirectionalDerivatives": "true",
-            "providesAdjointDerivatives": "true",
-        }
-        ET.SubElement(root, "ModelExchange", common)
-        ET.SubElement(root, "CoSimulation", common | stepping)
-        return
-    common |= {
-        "canNotUseMemoryManagementFunctions": "true",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "true",
-    }
-    for tag, attributes in (
-        ("ModelExchange", common | {"completedIntegratorStepNotNeeded": "true"}),
-        ("CoSimulation", common | stepping),
-    ):
-        files = ET.SubElement(ET.SubElement(root, tag, attributes), "SourceFiles")
-        ET.SubElement(files, "File", name=MAIN_SOURCE)
-
-
-def _portable_interface(root: ET.Element, identifier: str, fmi_version: int) -> None:
-    attributes = {
-        "modelIdentifier": identifier,
-        "needsExecutionTool": "true",
-        "canHandleVariableCommunicationStepSize": "true",
-    }
-    if fmi_version == 2:
-        attributes["canNotUseMemoryManagementFunctions"] = "true"
-    state = "FMUState" if fmi_version == 3 else "FMUstate"
-    attributes |= {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
-    ET.SubElement(root, "CoSimulation", attributes)
-
-
-def _experiment(plant: Plant) -> Attributes:
-    return {
-        "startTime": "0",
-        "stopTime": repr(float(plant.stop_time)),
-        "tolerance": repr(RELATIVE_TOLERANCE),
-        "stepSize": repr(float(plant.step_size)),
-    }
 
 
 def unit_definitions(
@@ -160,14 +71,6 @@ def log_categories(root: ET.Element, texts: Mapping[str, str]) -> None:
     categories = ET.SubElement(root, "LogCategories")
     for name, text in texts.items():
         ET.SubElement(categories, "Category", name=name, description=text)
-
-
-def _display_names(display_units: tuple[DisplayUnit, ...]) -> dict[str, str]:
-    """The display unit that variables of a unit are shown in: the first one given for it."""
-    names: dict[str, str] = {}
-    for display in display_units:
-        names.setdefault(display.unit, display.name)
-    return names
 
 
 def _general(reference: int, entry: VariableEntry) -> Attributes:

@@ -1,4 +1,4 @@
-"""The variables of an FMU as FMI sees them: causality, variability, initial, start, bounds.
+"""Variables and dependencies of an FMU as FMI sees them, the same for plants and blocks.
 
 This module refuses to know XML; `model_description.py` writes it for each version.
 """
@@ -6,9 +6,6 @@ This module refuses to know XML; `model_description.py` writes it for each versi
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from fmus.packaging.interface import Interface
-from fmus.plant import Parameter, State, Variable
 
 
 @dataclass(frozen=True)
@@ -28,71 +25,19 @@ class VariableEntry:
     derivative_of: int | None = None
 
 
-def variable_entries(interface: Interface) -> list[VariableEntry]:
-    """Every variable in the order of value references."""
-    return [
-        VariableEntry("time", "independent", "continuous", "s", "Simulation time"),
-        *(_state(interface, state) for state in interface.plant.states),
-        *(_derivative(interface, state) for state in interface.plant.states),
-        *(_input(variable) for variable in interface.plant.inputs),
-        *(_output(variable) for variable in interface.outputs),
-        *(_parameter(parameter) for parameter in interface.plant.parameters),
-    ]
+@dataclass(frozen=True)
+class Unknown:
+    """An unknown and the knowns it depends on, as value references in ascending order."""
+
+    reference: int
+    dependencies: tuple[int, ...]
+    kinds: tuple[str, ...]
 
 
-def _state(interface: Interface, s: State) -> VariableEntry:
-    return VariableEntry(
-        s.name,
-        "output" if s.name in interface.state_outputs else "local",
-        "continuous",
-        s.unit,
-        s.description,
-        "exact",
-        s.start,
-        s.nominal,
-    )
+@dataclass(frozen=True)
+class ModelStructure:
+    """The three lists of ModelStructure; initial unknowns are in the order of references."""
 
-
-def _derivative(interface: Interface, s: State) -> VariableEntry:
-    return VariableEntry(
-        f"der({s.name})",
-        "local",
-        "continuous",
-        rate_unit(s.unit),
-        f"Time derivative of {s.name}",
-        "calculated",
-        derivative_of=interface.value_references[s.name],
-    )
-
-
-def _input(v: Variable) -> VariableEntry:
-    return VariableEntry(
-        v.name, "input", "continuous", v.unit, v.description, None, v.start, v.nominal
-    )
-
-
-def _output(v: Variable) -> VariableEntry:
-    return VariableEntry(
-        v.name, "output", "continuous", v.unit, v.description, "calculated", nominal=v.nominal
-    )
-
-
-def _parameter(p: Parameter) -> VariableEntry:
-    return VariableEntry(
-        p.name,
-        "parameter",
-        "tunable" if p.tunable else "fixed",
-        p.unit,
-        p.description,
-        "exact",
-        p.value,
-        minimum=p.minimum,
-        maximum=p.maximum,
-    )
-
-
-def rate_unit(unit: str) -> str:
-    """The unit of a time derivative."""
-    if unit in ("1", "-", ""):
-        return "1/s"
-    return f"{unit}/s" if "/" not in unit else f"({unit})/s"
+    outputs: tuple[Unknown, ...]
+    derivatives: tuple[Unknown, ...]
+    initial_unknowns: tuple[Unknown, ...]

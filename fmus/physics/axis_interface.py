@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+from fmus.declaration import DisplayUnit, State, Variable
 from fmus.physics.axis_parameters import ATMOSPHERE
 from fmus.physics.electro_hydraulic_actuator import Axis
 from fmus.physics.smooth import Expression
-from fmus.plant import DisplayUnit, State, Variable
 
 DISPLAY_UNITS = (
     DisplayUnit("Pa", "bar", 1e-5),

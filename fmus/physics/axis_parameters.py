@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from fmus.plant import Parameter
+from fmus.declaration import Parameter
 
 ATMOSPHERE = 101325.0  # Pa
 TABLES = "Ahn & Truong 2009, Tables 1 and 3"

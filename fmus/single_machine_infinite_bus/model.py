@@ -17,9 +17,10 @@ from types import SimpleNamespace
 
 import casadi as ca
 
+from fmus.declaration import DisplayUnit, Parameter, State, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.smooth import Expression
-from fmus.plant import DisplayUnit, Parameter, Plant, State, Variable
+from fmus.plant import Plant
 
 PAPER = "Takata et al., section 6"
 

@@ -22,9 +22,10 @@ from collections.abc import Mapping
 from math import pi
 from types import SimpleNamespace
 
+from fmus.declaration import DisplayUnit, Parameter, State, Variable
 from fmus.linearization import WorkingPoint
 from fmus.physics.smooth import Expression, ramp
-from fmus.plant import DisplayUnit, Parameter, Plant, State, Variable
+from fmus.plant import Plant
 
 PAPER = "Serkies & Szabat 2013"
 NOMINAL = 0.203

@@ -10,7 +10,9 @@ This module refuses blocks that are plain Python callables: they have no step fu
 from __future__ import annotations
 
 import hashlib
+import inspect
 import re
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -74,6 +76,7 @@ def controller_fmu(
             targets=targets,
             extra=certificate if certified else None,
             portable=portable,
+            equations=_equations(block),
         )
     except HarnessError:
         raise
@@ -86,6 +89,12 @@ def identifier(name: str) -> str:
     """`name` as a C identifier."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     return plain if plain and not plain[0].isdigit() else f"_{plain}"
+
+
+def _equations(block: Block) -> str:
+    """What the module of the step says about it, "" where there is no such text."""
+    module = sys.modules.get(getattr(block.step, "__module__", ""))
+    return inspect.getdoc(module) or ""
 
 
 def _native_step(block: Block) -> tuple[Callable[[], str], str]:

@@ -35,10 +35,12 @@ TRANSITION_WORK = N * N + N * N_U + N * N_U + hold_work(N, N_U)
 
 
 def two_mass_gains(p: Array, s: Array, k: Array) -> None:
-    """k = (k_I, k_1, k_2, k_3) by (5)–(8) for p = (T_1, T_c, ω_r, ξ) and s = (T_2,)."""
+    """k = (k_I, k_1, k_2, k_3) by (5)–(8) for p = (T_1, T_c, ω_r, ξ) and s = (T_2,).
+
+    Until T_2 is known (0, as masters that step all at once begin) the load weighs as the motor."""
     T1 = p[G_T1]
     Tc = p[G_TC]
-    T2 = s[0]
+    T2 = s[0] if s[0] > 0.0 else T1
     square = p[G_OMEGA] * p[G_OMEGA]
     k[0] = T1 * T2 * Tc * square * square
     k[1] = 4.0 * T1 * p[G_XI] * p[G_OMEGA]
@@ -51,7 +53,7 @@ def two_mass_gains_as_printed(p: Array, s: Array, k: Array) -> None:
     """(5)–(8) with the misprints of (7) and (8), to show what they do."""
     T1 = p[G_T1]
     Tc = p[G_TC]
-    T2 = s[0]
+    T2 = s[0] if s[0] > 0.0 else T1
     square = p[G_OMEGA] * p[G_OMEGA]
     two_mass_gains(p, s, k)
     k[2] = k[2] * T2 / Tc
@@ -80,7 +82,8 @@ def two_mass_transition(
     A = work[: N * N]
     B = work[N * N : N * N + N]
     Gamma = work[N * N + N : N * N + 2 * N]
-    two_mass_matrices(p[M_T1], s[0], p[M_TC], A, B)
+    T2 = s[0] if s[0] > 0.0 else p[M_T1]
+    two_mass_matrices(p[M_T1], T2, p[M_TC], A, B)
     hold(N, N_U, A, B, p[M_TS], F, Gamma, work[N * N + 2 * N :])
     for i in range(N):
         total = Gamma[i] * u[0]

@@ -60,7 +60,8 @@ class TwoMassController:
             Signal("shaft_torque", "1", "m_s"),
             Signal("load_speed", "1", "ω_2"),
         )
-        scheduled = (Signal("load_time_constant", "s", "T_2 in force"),)
+        # until T_2 is known the load is taken to be as heavy as the motor
+        scheduled = (Signal("load_time_constant", "s", "T_2 in force", self.motor_time_constant),)
         gains = two_mass_gains_as_printed if self.as_printed else two_mass_gains
         return state_feedback_block(
             gains, p, states, scheduled, sample_time=sample_time,

@@ -109,14 +109,17 @@ static Status component_setup(Component *component, const char *call, bool toler
                              stop_time, start_time);
     }
     state->relative_tolerance = tolerance_defined ? tolerance : MODEL_TOLERANCE;
-    state->time = start_time;
+    state->time = state->start_time = start_time;
     state->stop_time_defined = stop_time_defined;
     state->stop_time = stop_time_defined ? stop_time : 0.0;
     return STATUS_OK;
 }
 
-/* Times are reals that importers often accumulate; equal means equal up to that. */
-static double time_slack(double time) { return 1e-9 * (1.0 + fabs(time)); }
+/* Importers add steps up or multiply them: the same time up to a few units in the last place of
+ * the numbers that it was made of. */
+static double time_slack(const State *state, double time, double step) {
+    return 16.0 * DBL_EPSILON * (fabs(time) + fabs(state->start_time) + step);
+}
 
 static Status check_step(const Component *component, const char *call, double time, double step) {
     const State *state = &component->state;
@@ -124,14 +127,14 @@ static Status check_step(const Component *component, const char *call, double ti
         return component_log(component, STATUS_ERROR, LOG_ERROR,
                              "%s: the step size is %g s, it must be above 0.", call, step);
     }
-    if (!(fabs(time - state->time) <= time_slack(time))) {
+    if (!(fabs(time - state->time) <= time_slack(state, time, step))) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step starts at %.12g s, but the instance stands at %.12g s.",
+                             "%s: the step starts at %.17g s, but the instance stands at %.17g s.",
                              call, time, state->time);
     }
-    if (state->stop_time_defined && time + step > state->stop_time + time_slack(time + step)) {
+    if (state->stop_time_defined && time + step > state->stop_time + time_slack(state, time, step)) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the step ends at %.12g s, behind the stop time %.12g s.", call,
+                             "%s: the step ends at %.17g s, behind the stop time %.17g s.", call,
                              time + step, state->stop_time);
     }
     return STATUS_OK;

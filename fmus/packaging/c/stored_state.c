@@ -8,13 +8,24 @@ typedef struct {
     char magic[8];
     char token[sizeof MODEL_TOKEN];
     size_t size;
+    uint64_t checksum;
 } StoredHeader;
 
-static void fill_header(StoredHeader *header) {
+/* FNV-1a: bytes that were damaged on their way are not taken for a state. */
+static uint64_t checksum(const void *bytes, size_t size) {
+    uint64_t sum = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ ((const unsigned char *)bytes)[i]) * UINT64_C(1099511628211);
+    }
+    return sum;
+}
+
+static void fill_header(StoredHeader *header, const void *state) {
     memset(header, 0, sizeof *header);
     memcpy(header->magic, STORED_MAGIC, sizeof header->magic);
     memcpy(header->token, MODEL_TOKEN, sizeof header->token);
     header->size = sizeof(State);
+    header->checksum = checksum(state, sizeof(State));
 }
 
 static Status component_get_stored(Component *component, void **stored) {
@@ -65,7 +76,7 @@ static Status component_serialize(Component *component, const char *call, const 
                              "%s: %lu bytes are too few, the state takes %lu.", call,
                              (unsigned long)size, (unsigned long)component_serialized_size());
     }
-    fill_header(&header);
+    fill_header(&header, stored);
     memcpy(bytes, &header, sizeof header);
     memcpy((char *)bytes + sizeof header, stored, sizeof(State));
     return STATUS_OK;
@@ -77,10 +88,13 @@ static Status component_deserialize(Component *component, const char *call, cons
     if (!bytes || !stored) {
         return null_argument(component, call);
     }
-    fill_header(&header);
-    if (size < component_serialized_size() || memcmp(bytes, &header, sizeof header) != 0) {
+    if (size == component_serialized_size()) {
+        fill_header(&header, (const char *)bytes + sizeof header);
+    }
+    if (size != component_serialized_size() || memcmp(bytes, &header, sizeof header) != 0) {
         return component_log(component, STATUS_ERROR, LOG_ERROR,
-                             "%s: the bytes are no state of this FMU.", call);
+                             "%s: the %lu bytes are no state of this FMU, or are damaged.", call,
+                             (unsigned long)size);
     }
     *stored = malloc(sizeof(State)); /* the handle may come uninitialised: it is only written */
     if (!*stored) {

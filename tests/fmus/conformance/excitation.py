@@ -12,7 +12,8 @@ from math import pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.plant import Plant, Variable
+from fmus.declaration import Variable
+from fmus.plant import Plant
 from harness.bench import Bench
 from harness.results.result import Result
 

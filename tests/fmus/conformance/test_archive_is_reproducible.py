@@ -13,7 +13,7 @@ from tests.fmus.conformance.processes import run_python
 REBUILD = """
 import sys
 from pathlib import Path
-from fmus.packaging import fmu_file
+from fmus.packaging.plant.build import fmu_file
 from harness import registry
 plant = registry.plant(sys.argv[1])
 for version, portable in ((2, False), (3, False), (2, True)):

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fmus.plant import Parameter, Plant
+from fmus.declaration import Parameter
+from fmus.plant import Plant
 from tests.fmus.conformance.differences import derivative
 from tests.fmus.conformance.excitation import STEP, Excited
 from tests.fmus.packaging.instances import Instance, load

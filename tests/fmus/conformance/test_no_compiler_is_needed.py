@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fmus.packaging import PortableFallback
+from fmus.packaging.errors import PortableFallback
 from fmus.plant import Plant
 from tests.fmus.conformance.processes import python_path, run_python
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.packaging import cached_fmu
+from fmus.packaging.plant.build import cached_fmu
 from fmus.plant import Plant
 from tests.fmus.packaging.instances import Instance, load
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import casadi as ca
 
-from fmus.plant import DisplayUnit, Parameter, Plant, State, Variable
+from fmus.declaration import DisplayUnit, Parameter, State, Variable
+from fmus.plant import Plant
 
 Result = tuple[dict[str, Any], dict[str, Any]]
 

@@ -9,17 +9,17 @@ from pathlib import Path
 
 from fmpy import read_model_description
 
-from fmus.packaging import cached_fmu
-from fmus.packaging.archive import native_content, write_native_fmu
 from fmus.packaging.compiler import find_targets
+from fmus.packaging.plant.build import cached_fmu
+from fmus.packaging.plant.native import native_content, write_native_fmu
 from tests.fmus.packaging.plants import hydraulic, oscillator
 
 OTHER_PROCESS = """
 import sys
 from pathlib import Path
-from fmus.packaging.archive import native_content, write_native_fmu
+from fmus.packaging.plant.native import native_content, write_native_fmu
 from fmus.packaging.compiler import find_targets
-from fmus.packaging.portable import portable_content, write_portable_fmu
+from fmus.packaging.plant.portable import portable_content, write_portable_fmu
 from tests.fmus.packaging.plants import hydraulic
 write_native_fmu(native_content(hydraulic, int(sys.argv[1])), find_targets(), Path("native.fmu"))
 write_portable_fmu(portable_content(hydraulic), Path("portable.fmu"))

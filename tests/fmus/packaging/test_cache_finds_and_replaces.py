@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-import fmus.packaging.archive as archive
-from fmus.packaging import PackagingError, PortableFallback, cached_fmu, fmu_file
+from fmus.packaging.errors import PackagingError, PortableFallback
+from fmus.packaging.plant import native
+from fmus.packaging.plant.build import cached_fmu, fmu_file
 from fmus.plant import Plant
 from tests.fmus.packaging.plants import oscillator, static_gain
 
@@ -33,7 +34,7 @@ def test_the_second_call_takes_milliseconds_and_no_generation(
     monkeypatch: pytest.MonkeyPatch, version: int
 ) -> None:
     first = cached_fmu(oscillator, version)
-    monkeypatch.setattr(archive, "native_content", None)
+    monkeypatch.setattr(native, "native_content", None)
     start = time.perf_counter()
     assert cached_fmu(oscillator, version) == first
     assert time.perf_counter() - start < 0.1

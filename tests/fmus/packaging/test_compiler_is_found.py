@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from fmus.packaging import PackagingError
 from fmus.packaging.compiler import (
     Compiler,
     Platform,
@@ -14,6 +13,7 @@ from fmus.packaging.compiler import (
     find_compiler,
     running_platform,
 )
+from fmus.packaging.errors import PackagingError
 
 
 def test_cc_of_the_environment_comes_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

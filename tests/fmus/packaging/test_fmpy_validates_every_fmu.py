@@ -3,7 +3,7 @@
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus.packaging import cached_fmu
+from fmus.packaging.plant.build import cached_fmu
 from fmus.plant import Plant
 from tests.fmus.packaging.plants import ALL
 

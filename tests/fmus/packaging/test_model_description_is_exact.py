@@ -7,9 +7,11 @@ import pytest
 from fmpy import read_model_description
 from fmpy.model_description import ModelDescription
 
-from fmus.packaging import PackagingError, cached_fmu
-from fmus.packaging.archive import native_content
-from fmus.plant import Plant, Variable
+from fmus.declaration import Variable
+from fmus.packaging.errors import PackagingError
+from fmus.packaging.plant.build import cached_fmu
+from fmus.packaging.plant.native import native_content
+from fmus.plant import Plant
 from tests.fmus.packaging.plants import finite_escape, hydraulic, oscillator, static_gain
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fmus.packaging.functions import plant_functions
+from fmus.packaging.plant.functions import plant_functions
 from fmus.plant import Plant
 from tests.fmus.packaging.conftest import NewInstance
 from tests.fmus.packaging.plants import hydraulic, oscillator

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fmus.packaging import PackagingError
-from fmus.packaging.functions import plant_functions
+from fmus.packaging.errors import PackagingError
+from fmus.packaging.plant.functions import plant_functions
 from tests.fmus.packaging.plants import finite_escape, hydraulic, oscillator, static_gain
 
 

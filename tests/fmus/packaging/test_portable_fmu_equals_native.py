@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from fmus.packaging import PackagingError, bridge, cached_fmu
+from fmus.packaging import bridge
+from fmus.packaging.errors import PackagingError
+from fmus.packaging.plant.build import cached_fmu
 from fmus.plant import Plant
 from tests.fmus.packaging.plants import ALL, finite_escape, hydraulic
 

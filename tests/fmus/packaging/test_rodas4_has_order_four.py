@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fmus.packaging.codegen import RUNTIME
 from fmus.packaging.compiler import FLAGS, find_compiler
-from fmus.packaging.portable_parts import rodas4
+from fmus.packaging.plant.codegen import RUNTIME
+from fmus.packaging.plant.portable_parts import rodas4
 
 DRIVER = r"""
 #include "rodas4.c"

@@ -5,8 +5,8 @@ import pytest
 from fmpy import simulate_fmu
 from scipy.integrate import solve_ivp
 
-from fmus.packaging import cached_fmu
-from fmus.packaging.functions import plant_functions
+from fmus.packaging.plant.build import cached_fmu
+from fmus.packaging.plant.functions import plant_functions
 from fmus.plant import Plant
 from tests.fmus.packaging.plants import hydraulic, oscillator, van_der_pol
 

@@ -12,8 +12,8 @@ from fmpy import simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
-from fmus.packaging import cached_fmu
 from fmus.packaging.compiler import find_compiler, running_platform
+from fmus.packaging.plant.build import cached_fmu
 from fmus.plant import Plant
 from tests.fmus.packaging.plants import ALL, hydraulic
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fmus.packaging import PackagingError
+from fmus.packaging.errors import PackagingError
 from fmus.packaging.units import BaseUnit, base_unit
 
 CASES = [

@@ -1,6 +1,8 @@
 """What the description of a controller's FMU says: clock, units, no feedthrough, all states."""
 
 import zipfile
+from html import escape
+from inspect import getdoc
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from controllers.core.block import Block, Signal
+from controllers.pid import pid as pid_module
 from harness.errors import FmuError
 from harness.export.controller import controller_fmu, identifier
 from tests.harness.export.blocks import counter, counter_step, pid
@@ -57,6 +60,22 @@ def test_clock_and_capabilities(version: int) -> None:
     if version == 3:
         (interface,) = root(path).iter("CoSimulation")
         assert interface.get("fixedInternalStepSize") == "0.01"
+
+
+def test_default_experiment_is_a_hundred_samples(version: int) -> None:
+    experiment = described(controller_fmu(counter(), "block", 0.01, version)).defaultExperiment
+    assert (experiment.startTime, experiment.stopTime) == ("0", "1.0")
+    assert float(experiment.tolerance) > 0
+
+
+def test_the_page_says_equations_timing_parameters_and_certificate(version: int) -> None:
+    with zipfile.ZipFile(controller_fmu(pid(), "block", 0.01, version)) as archive:
+        name = "index.html" if version == 3 else "_main.html"
+        page = archive.read(f"documentation/{name}").decode()
+    assert "Computes every 0.01 s" in page
+    assert "parameters.kp" in page
+    assert "certificate.json" in page
+    assert escape(getdoc(pid_module) or "?") in page
 
 
 def test_there_are_no_sources_but_what_it_was_made_from(version: int) -> None:

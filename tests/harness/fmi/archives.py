@@ -4,7 +4,7 @@ import zipfile
 from functools import cache
 from pathlib import Path
 
-from fmus.packaging import cached_fmu
+from fmus.packaging.plant.build import cached_fmu
 from tests.fmus.packaging.plants import oscillator
 
 

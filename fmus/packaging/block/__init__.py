@@ -1,0 +1,1 @@
+"""Discrete-time blocks (controllers, estimators) as FMUs."""

@@ -1,0 +1,1 @@
+"""Plants as FMUs: equations to C or to Python, with a solver."""

@@ -1,0 +1,28 @@
+"""The form of the generated equations in a portable FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Vector = list[float]
+
+
+@dataclass(frozen=True)
+class Model:
+    """Tables and functions of (x, u, p) of one plant, `names` by value
+    reference; `linearise` returns dx and df/dx by rows."""
+
+    names: tuple[str, ...]
+    state_names: tuple[str, ...]
+    x_start: tuple[float, ...]
+    x_nominal: tuple[float, ...]
+    u_start: tuple[float, ...]
+    p_start: tuple[float, ...]
+    p_range: tuple[tuple[float, float], ...]
+    p_tunable: tuple[bool, ...]
+    n_outputs: int
+    relative_tolerance: float
+    derivatives: Callable[[Vector, Vector, Vector], Vector]
+    outputs: Callable[[Vector, Vector, Vector], Vector]
+    linearise: Callable[[Vector, Vector, Vector], tuple[Vector, Vector]]
