@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
     from harness.results.recording import read_recording
     from harness.results.result import Result
-    from harness.simulate import simulate
+    from harness.simulation import simulate
 
 _PLACES = {
     "Bench": "harness.bench",
@@ -26,7 +26,7 @@ _PLACES = {
     "HarnessError": "harness.errors",
     "Result": "harness.results.result",
     "read_recording": "harness.results.recording",
-    "simulate": "harness.simulate",
+    "simulate": "harness.simulation",
 }
 
 __all__ = ["Bench", "Experiment", "Fmu", "HarnessError", "Result", "read_recording", "simulate"]

@@ -154,7 +154,7 @@ def _recorded(opened: Fmu, reference: Path) -> list[str]:
 
 
 def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> Result:
-    from harness.simulate import simulate
+    from harness.simulation import simulate
 
     with bar() as shown:
         task = shown.add_task(opened.description.name, total=1.0)

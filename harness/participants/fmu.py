@@ -49,7 +49,8 @@ class FmuParticipant(Participant):
     kind: ClassVar[InterfaceType]
 
     def __init_subclass__(cls) -> None:
-        _KINDS[cls.kind] = cls
+        if "kind" in vars(cls):
+            _KINDS[cls.kind] = cls
 
     @staticmethod
     def of(component: FmuComponent, fmu: Fmu, around: Around) -> FmuParticipant:
