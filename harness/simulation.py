@@ -25,6 +25,7 @@ from harness.participants.track_data import InputData, read_inputs
 from harness.process.fork import available
 from harness.process.limits import Limits
 from harness.process.run import run_supervised
+from harness.results.columns import TIME, bare_name
 from harness.results.result import Result
 from harness.system.graph import Endpoint, FmuComponent, System
 from harness.system.policy import Policy
@@ -86,6 +87,11 @@ def simulate(
         settings = settle(request, d)
         chosen = tuple(Endpoint(d.name, v.name) for v in select(d, output_variables))
         notes = [*opened.notes, *settings.notes]
+        notes += [
+            f"the variable 'time' was recorded as {bare_name(d.name, end.variable)!r}"
+            for end in chosen
+            if end.variable == TIME
+        ]
         given = start_values or {}
         judged = judge_start_values(d, given, component=d.name, validate=validate)
         read_inputs(d.configured(judged.structural), inputs, [])  # faults before anything is run
@@ -112,8 +118,21 @@ def simulate(
                 fault.result = _noted(fault.result, notes)
             raise
         except KeyboardInterrupt as interrupt:
-            raise SimulationError(str(interrupt) or "interrupted by Ctrl-C") from interrupt
+            raise _interrupted(interrupt, notes) from interrupt
     return _noted(result, notes)
+
+
+def _interrupted(interrupt: KeyboardInterrupt, notes: Sequence[str]) -> SimulationError:
+    """The fault of a simulation that Ctrl-C ended, with its rows."""
+    result: Result | None = getattr(interrupt, "result", None)
+    until = None if result is None or not len(result.time) else float(result.time[-1])
+    said = str(interrupt)
+    if " at t = " not in said:
+        where = "before its first row" if until is None else f"at t = {until:.9g} s"
+        said = f"{said or 'interrupted by Ctrl-C'} {where}"
+    fault = SimulationError(said)
+    fault.result = None if result is None else _noted(result, notes)
+    return fault
 
 
 def _noted(result: Result, notes: Sequence[str]) -> Result:

@@ -84,7 +84,12 @@ class PreparedSystem:
         )
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:
-            outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
+            try:
+                outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
+            except KeyboardInterrupt as interrupt:
+                said = str(interrupt) or "interrupted by Ctrl-C"
+                interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
+                raise
             reason = "" if outcome.fault is None else str(outcome.fault)
             result = recording.finish(reason, notes=outcome.notes)
         if outcome.fault is not None:

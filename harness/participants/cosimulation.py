@@ -38,6 +38,7 @@ class CoSimulation(DrivenParticipant):
 
     kind = CO_SIMULATION
     steps = True
+    _stepper: Stepper | None = None
 
     def instantiate(self) -> FmuInstance:
         """With event mode where the FMU has it; some claim one that they do not have."""
@@ -181,6 +182,7 @@ class CoSimulation(DrivenParticipant):
             self.inputs.apply_continuous(self.instance, time, after=True)
         else:
             self.inputs.apply(self.instance, time)
+        assert self._stepper is not None
         outcome, planned = self._stepper.advance(time, goal)
         if outcome.discarded:
             self._discarded(time, outcome)
@@ -273,5 +275,6 @@ class CoSimulation(DrivenParticipant):
 
     def close(self) -> None:
         """Give the snapshot of divided steps back, too."""
-        self._stepper.close()
+        if self._stepper is not None:
+            self._stepper.close()
         super().close()
