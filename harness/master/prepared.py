@@ -85,8 +85,8 @@ class PreparedSystem:
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:
             outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
-            reason = "" if outcome.fault is None else str(outcome.fault)
-            result = recording.finish(reason, notes=outcome.notes)
+            recording.add_notes(outcome.notes)
+            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
         if outcome.fault is not None:
             outcome.fault.result = result
             raise outcome.fault
