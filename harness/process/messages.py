@@ -68,10 +68,12 @@ class Planned:
 
 @dataclass(frozen=True)
 class Room:
-    """The row memory has its size: rows a chunk, columns."""
+    """The row memory has its size: rows a chunk, columns. `in_order`: every row is there for good
+    as soon as it is written; otherwise that is so at the end of its chunk."""
 
     rows: int
     columns: int
+    in_order: bool
 
 
 @dataclass(frozen=True)

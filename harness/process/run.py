@@ -17,7 +17,7 @@ from typing import Any
 
 from harness.errors import HarnessError, SimulationError
 from harness.master.prepared import Echo
-from harness.master.run import Progress
+from harness.master.run import Progress, in_time_order
 from harness.process.checkpoint import CHECKPOINT_FILE, resumable, write_checkpoint
 from harness.process.interrupts import INTERRUPTED
 from harness.process.limits import Limits
@@ -96,6 +96,7 @@ class _Rows:
         self.recording: Recording | None = None
         self._open, self._progress, self._echo = open_recording, progress, echo
         self._memory: RowMemory | None = None
+        self._early = False
         self._chunk, self._taken = 1, 0
 
     def receive(self, content: Any) -> None:
@@ -104,8 +105,10 @@ class _Rows:
         match content:
             case Planned():
                 self.recording = self._open(content)
-            case Room():
+            case Room() if recording is not None:
                 self._memory = RowMemory(self.descriptor, content.rows, content.columns)
+                texts = any(column.dtype is None for column in recording.columns)
+                self._early = content.in_order and not texts
             case Chunk():
                 self._record(content.rows)
                 self._chunk, self._taken = content.number + 1, 0
@@ -125,7 +128,7 @@ class _Rows:
     def look(self, share: float) -> None:
         """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
         when all of their texts have come."""
-        if self.recording is not None and not any(c.dtype is None for c in self.recording.columns):
+        if self._early:
             self._record(self.marker.rows(self._chunk) - 1)  # the newest may be half written
         if self._progress is not None:
             self._progress(share)
@@ -139,7 +142,8 @@ class _Rows:
         if self._memory is not None and self.recording is not None and there > self._taken:
             half, part = (self._chunk - 1) % 2, slice(self._taken, there)
             self._taken = there
-            self.recording.append(self._memory.times[half][part], self._memory.values[half][part])
+            times, rows = self._memory.times[half][part], self._memory.values[half][part]
+            self.recording.append(*in_time_order(times, rows))
 
 
 def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) -> Result:

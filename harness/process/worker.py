@@ -79,9 +79,15 @@ class _Host(VisibleHost):
         self._taken = 0  # chunks whose rows the supervisor has
         self._recorded = 0  # rows
         self._made_of: dict[str, str] | None = None  # None: no checkpoints
-        self._live: Program | None = None
+        self._program: Program | None = None
+        self._begun = False
         self._saved = time.monotonic()
         self._cycles_between = 0  # of two checkpoints; 0: any number
+
+    def linked(self, program: Program) -> None:
+        """The program is there."""
+        super().linked(program)
+        self._program = program
 
     def check_resumable(self, plan: Plan, fmus: Mapping[str, Fmu]) -> str:
         """Find out whether there can be checkpoints, and why not; refuse one of another run."""
@@ -112,7 +118,9 @@ class _Host(VisibleHost):
     def most_rows(self, rows: int, columns: int) -> None:
         """Give the shared memory its size."""
         self._memory = RowMemory(self._descriptor, rows, columns, create=True)
-        self._teller.tell(Room(rows, columns))
+        # events of one FMU may be recorded after later ones of another
+        in_order = self._program is not None and len(self._program.events) < 2
+        self._teller.tell(Room(rows, columns, in_order))
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
         """One half of the memory, after the supervisor has taken what was in it."""
@@ -127,18 +135,24 @@ class _Host(VisibleHost):
     def add_texts(self, new: Sequence[str | bytes]) -> None:
         """Tell them before the rows that name them are there; a run that is resumed has those of
         its checkpoint."""
-        if self._live is not None or self._job.resumed is None:
+        if self._begun or self._job.resumed is None:
             self._teller.tell(Texts(tuple(new)))
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
-        """A chunk is done; its rows are where the supervisor finds them."""
+        """A chunk is done; its rows are where the supervisor finds them, if need be in another
+        order than before."""
+        assert self._memory is not None
+        half = self._told % 2
+        if not np.shares_memory(times, self._memory.times[half]):
+            self._memory.times[half][: len(times)] = times
+            self._memory.values[half][: len(times)] = rows
         self._recorded += len(rows)
         self._told += 1
         self._teller.tell(Chunk(self._told, len(rows)), answered=True)
 
     def begin(self, program: Program) -> int:
         """The first cycle, or that after the checkpoint."""
-        self._live = program
+        self._begun = True
         self._saved = time.monotonic()
         every = self._job.limits.checkpoint_simulated
         if every is not None:  # between cycles, so at least one, and rather too late
@@ -170,11 +184,11 @@ class _Host(VisibleHost):
             raise StopAskedError
 
     def _save(self, cycle: int) -> None:
-        if self._live is None or self._made_of is None:
+        if self._program is None or self._made_of is None:
             return
         now = int(self.clock[INSTANT])
         try:
-            snapshot = take(self._live, cycle, self._recorded, now, self._made_of)
+            snapshot = take(self._program, cycle, self._recorded, now, self._made_of)
         except FmuError:  # it promised what it cannot do; the run itself goes on
             self._made_of = None
             return
