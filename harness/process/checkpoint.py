@@ -35,6 +35,7 @@ from harness.master.plan.planner import Plan
 from harness.master.program.link import Program
 from harness.results.manifest import COMPLETE, read_manifest, software_versions
 from harness.results.storage import CSV_FILE, seal
+from harness.results.whole import whole
 from harness.system.graph import BlockComponent, Component, FmuComponent, PythonComponent
 from harness.system.policy import capabilities_of, interface_of
 
@@ -138,6 +139,8 @@ def why_not(plan: Plan, fmus: Mapping[str, Fmu]) -> str:
                 f"component {c.name} is run with event mode, and its events to come cannot be "
                 "saved (event_mode = false does without)"
             )
+        if c.inputs is not None or c.policy.discarded_steps == "divide":
+            return f"the steps of component {c.name} may be cut, and how far they are is not saved"
         if not can.can_serialize_fmu_state:
             return f"the FMU of component {c.name} cannot serialise its state"
     return ""
@@ -190,15 +193,12 @@ def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
 
 def write_checkpoint(folder: Path, content: bytes) -> None:
     """Put a checkpoint into the run folder in place of the one before it, whole or not at all."""
-    path, partial = folder / CHECKPOINT_FILE, folder / (CHECKPOINT_FILE + ".partial")
     try:
-        with partial.open("wb") as file:
+        with whole(folder / CHECKPOINT_FILE) as partial, partial.open("wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        partial.replace(path)
     except OSError as fault:
-        partial.unlink(missing_ok=True)
         raise RecordingError(f"cannot write a checkpoint into {folder}: {fault}") from fault
 
 

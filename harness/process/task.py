@@ -81,8 +81,8 @@ class Teller:
 
     def reached(self, time: float) -> None:
         """Say which simulated time (s) has come; ends the work where the supervisor wants it."""
-        self.marker.reached(time if math.isfinite(time) else 0.0)
-        if self.marker.stop_asked:
+        self.marker.time[0] = time if math.isfinite(time) else 0.0
+        if self.marker.stop[0]:
             raise StopAskedError
 
 

@@ -116,7 +116,7 @@ class Watch:
                 looked = now
                 self._look(worker, deadlines)
             if interrupts.reason and stop_by is None:
-                self.marker.ask_to_stop()
+                self.marker.stop[0] = 1
                 stop_by = now + _GRACE_SECONDS
             if stop_by is not None and now > stop_by:
                 break

@@ -65,7 +65,7 @@ def run_job(job: Job, row_memory: int, teller: Teller) -> None:
         outcome = execute(plan, fmus, host, echo=host.logged, logging=job.logging, host=host)
     teller.tell(Notes(outcome.notes))
     if outcome.fault is not None:
-        raise StopAskedError if teller.marker.stop_asked else outcome.fault
+        raise StopAskedError if teller.marker.stop[0] else outcome.fault
 
 
 class _Host(VisibleHost):
@@ -175,7 +175,7 @@ class _Host(VisibleHost):
 
     def between(self, cycle: int) -> None:
         """Save the state where it is time to; end where the supervisor wants it."""
-        stop, every = self._teller.marker.stop_asked, self._job.limits.checkpoint
+        stop, every = self._teller.marker.stop[0], self._job.limits.checkpoint
         due = every is not None and time.monotonic() - self._saved >= every
         due = due or (self._cycles_between > 0 and cycle % self._cycles_between == 0)
         if due or stop:
