@@ -146,7 +146,7 @@ def why_not(plan: Plan, fmus: Mapping[str, Fmu]) -> str:
     return ""
 
 
-def made_of(plan: Plan, fmu_hashes: Mapping[str, str]) -> dict[str, str]:
+def made_of(plan: Plan, fmus: Mapping[str, Fmu]) -> dict[str, str]:
     """Hashes and versions of all that decides the bits of a run, by name."""
     lowered, system = plan.lowered, plan.lowered.system
     times = system.start_ns, system.stop_ns, plan.cycle_ns, system.record_ns
@@ -160,7 +160,7 @@ def made_of(plan: Plan, fmu_hashes: Mapping[str, str]) -> dict[str, str]:
     }
     with np.printoptions(override_repr=_all_of):
         found = {name: _hash(repr(part).encode()) for name, part in parts.items()}
-    found |= {f"FMU of {name}": digest for name, digest in fmu_hashes.items()}
+    found |= {f"FMU of {name}": fmu.sha256 for name, fmu in fmus.items()}
     return found | {f"version of {name}": text for name, text in software_versions().items()}
 
 

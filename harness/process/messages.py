@@ -1,7 +1,8 @@
 """What worker and supervisor tell one another over their pipe.
 
 Any worker sends `Told`, `Printed`, `Linked` and at its end `Done`; the supervisor sends what a
-`Told` is answered by. What is told by the run of a system is one of the rest.
+`Told` is answered by. What is told by the run of a system is its manifest as soon as the system is
+whole, then any of the rest.
 """
 
 from __future__ import annotations
@@ -16,8 +17,6 @@ from harness.errors import HarnessError
 
 if TYPE_CHECKING:  # work without a loop does not wait for the compiler
     from harness.fmi.binding.logger import LogMessage
-    from harness.results.columns import Column
-    from harness.results.manifest import FmuRecord
 
 
 @dataclass(frozen=True)
@@ -53,17 +52,6 @@ class Done:
     value: Any = None
     fault: bytes = b""
     stopped: bool = False
-
-
-@dataclass(frozen=True)
-class Planned:
-    """The system of a run is whole; `not_resumable`: why there can be no checkpoints, or nothing;
-    `notes` are those of the plan."""
-
-    columns: tuple[Column, ...]
-    fmus: tuple[FmuRecord, ...]
-    not_resumable: str
-    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from harness.process.checkpoint import CHECKPOINT_FILE, resumable, write_checkpo
 from harness.process.interrupts import INTERRUPTED
 from harness.process.limits import Limits
 from harness.process.marker import Marker, RowMemory, shared_file
-from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Planned, Room, Texts
+from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
 from harness.process.task import live
 from harness.process.warm import warm_up
 from harness.process.watch import Watch
@@ -56,13 +56,11 @@ def run_supervised(
         limits = replace(limits, checkpoint=None, checkpoint_simulated=None)
     resumed = resumable(folder) if resume and folder is not None else None
 
-    def open_recording(planned: Planned) -> Recording:
-        manifest = Manifest(
-            fmus=planned.fmus, seeds={"seed": system.seed}, experiment=dict(experiment or {}),
-            not_resumable=planned.not_resumable, notes=planned.notes,
-        )  # fmt: skip
-        rows = None if not resume else resumed.rows if resumed is not None else 0
-        return Recording(planned.columns, folder, manifest, continued=rows)
+    first = None if not resume else resumed.rows if resumed is not None else 0
+
+    def open_recording(manifest: Manifest) -> Recording:
+        whole = replace(manifest, experiment=dict(experiment or {}))
+        return Recording(whole.columns, folder, whole, continued=first)
 
     job = Job(system, tuple(record), tuple(needed), echo is not None, limits, resumed)
     rows = _Rows(open_recording, progress, echo)
@@ -87,7 +85,7 @@ class _Rows:
 
     def __init__(
         self,
-        open_recording: Callable[[Planned], Recording],
+        open_recording: Callable[[Manifest], Recording],
         progress: Progress | None,
         echo: Echo | None,
     ) -> None:
@@ -103,7 +101,7 @@ class _Rows:
         """Deal with what the worker tells; raises `HarnessError` where it cannot be recorded."""
         recording = self.recording
         match content:
-            case Planned():
+            case Manifest():
                 self.recording = self._open(content)
             case Room() if recording is not None:
                 self._memory = RowMemory(self.descriptor, content.rows, content.columns)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from harness.fmi.wording import shorten
 from harness.master.host import Rows, Times
 from harness.master.opened import opened
 from harness.master.plan.planner import Plan
-from harness.master.prepared import check_needed
+from harness.master.prepared import check_needed, manifest_of
 from harness.master.program.link import Program
 from harness.master.recorded import columns_of
 from harness.master.run import execute, plan_system
@@ -29,9 +29,8 @@ from harness.process.checkpoint import Snapshot, differences, made_of, restore, 
 from harness.process.limits import Limits
 from harness.process.loops import VisibleHost
 from harness.process.marker import RowMemory
-from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Planned, Room, Texts
+from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
 from harness.process.task import StopAskedError, Teller
-from harness.results.manifest import FmuRecord
 from harness.system.graph import Endpoint, System
 
 _LEAST_ROWS, _MOST_ROWS = 4096, 32768
@@ -58,9 +57,9 @@ def run_job(job: Job, row_memory: int, teller: Teller) -> None:
         plan = plan_system(job.system, fmus, job.record)
         columns = columns_of(plan, fmus)
         check_needed(job.needed, columns)
-        records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
-        planned = Planned(columns, records, host.check_resumable(plan, fmus), plan.notes)
-        teller.tell(planned, answered=True)
+        manifest = manifest_of(plan, fmus, columns)
+        reason = host.check_resumable(plan, fmus)
+        teller.tell(replace(manifest, not_resumable=reason), answered=True)
         teller.answer()
         outcome = execute(plan, fmus, host, echo=host.logged, logging=job.logging, host=host)
     teller.tell(Notes(outcome.notes))
@@ -95,7 +94,7 @@ class _Host(VisibleHost):
         limits = job.limits
         wanted = (limits.checkpoint, limits.checkpoint_simulated, job.resumed)
         if not reason and any(one is not None for one in wanted):
-            self._made_of = made_of(plan, {name: fmu.sha256 for name, fmu in fmus.items()})
+            self._made_of = made_of(plan, fmus)
         if job.resumed is not None:
             changed = differences(job.resumed.made_of, self._made_of or {})
             if changed:
