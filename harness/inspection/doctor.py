@@ -12,8 +12,8 @@ from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.inspection.allowances import Allowance, allowances
 from harness.inspection.catalogue import CHECKS
+from harness.inspection.examination_process import Examination, Folder, Progress
 from harness.inspection.finding import Finding, Verdict
-from harness.inspection.ward import Folder, Progress, Ward
 
 DEADLINE = 60.0
 """Seconds that one check may take."""
@@ -79,7 +79,7 @@ def examine(
     findings: list[Finding] = []
     with closing(Folder()) as folder:
         for kind in kinds:
-            ward = Ward(path, kind, folder.path, deadline, progress)
-            found = list(ward.findings(list(CHECKS[kind])))
-            findings += [*found, *ward.elsewhere(found)]
+            examination = Examination(path, kind, folder.path, deadline, progress)
+            found = list(examination.findings(list(CHECKS[kind])))
+            findings += [*found, *examination.elsewhere(found)]
     return Diagnosis(path, sha256, description, tuple(findings))

@@ -6,6 +6,7 @@ supervised one has shared memory, takes checkpoints, and may begin in the middle
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,5 +69,5 @@ class Host:
         """A chunk is done and recorded, `cycle` is next; may raise to end the run."""
 
 
-usual: type[Host] = Host
+usual: Callable[[], Host] = Host
 """What a run stands in that is given nothing else."""

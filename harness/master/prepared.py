@@ -76,12 +76,8 @@ class PreparedSystem:
         if seed is not None or start_values:
             plan = _changed(plan, self._fmus, seed, start_values or {})
         check_needed(needed, self._columns)
-        manifest = Manifest(
-            fmus=tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self._fmus.items()),
-            seeds={"seed": plan.lowered.system.seed},
-            experiment=dict(experiment or {}),
-            notes=plan.notes,
-        )
+        manifest = manifest_of(plan, self._fmus, self._columns)
+        manifest = replace(manifest, experiment=dict(experiment or {}))
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:
             try:
@@ -90,8 +86,8 @@ class PreparedSystem:
                 said = str(interrupt) or "interrupted by Ctrl-C"
                 interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
                 raise
-            reason = "" if outcome.fault is None else str(outcome.fault)
-            result = recording.finish(reason, notes=outcome.notes)
+            recording.add_notes(outcome.notes)
+            result = recording.finish("" if outcome.fault is None else str(outcome.fault))
         if outcome.fault is not None:
             outcome.fault.result = result
             raise outcome.fault
@@ -144,6 +140,13 @@ def _changed(
             )
     components = tuple(map(moved, lowered.components))
     return replace(plan, lowered=replace(lowered, system=system, components=components))
+
+
+def manifest_of(plan: Plan, fmus: Mapping[str, Fmu], columns: tuple[Column, ...]) -> Manifest:
+    """What a run of `plan` that records `columns` is made of."""
+    records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
+    seeds = {"seed": plan.lowered.system.seed}
+    return Manifest(columns, fmus=records, seeds=seeds, notes=plan.notes)
 
 
 def check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:

@@ -264,7 +264,7 @@ class _Run:
             host.loop(False)
             done = program.clock[ROWS]
             if done:
-                times, rows = _sorted(self._times[:done], self._rows[:done])
+                times, rows = in_time_order(self._times[:done], self._rows[:done])
                 self.last = float(times[-1])
                 self.recorder.append(times, rows)
 
@@ -303,7 +303,7 @@ class _Samples:
             self.values = np.concatenate(parts)
 
 
-def _sorted(
+def in_time_order(
     times: NDArray[np.float64], rows: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Rows in the order of time: participants step one after the other, so events of one may come

@@ -18,15 +18,17 @@ from harness.compiler import operations as op
 from harness.errors import EndRequestedError, FmuError, SimulationError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.fmi.binding.interface import CO_SIMULATION
+from harness.fmi.fmu import Fmu
 from harness.participants import context as x
 from harness.participants.clocks import has_input_clocks
 from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
+from harness.participants.fmu import Around
 from harness.participants.grid import is_close
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import Endpoint
+from harness.system.graph import Endpoint, FmuComponent
 
 _FAILED = 3
 _MOST_EVENTS_AT_ONCE = 1000
@@ -39,6 +41,12 @@ class CoSimulation(DrivenParticipant):
     kind = CO_SIMULATION
     steps = True
     _stepper: Stepper | None = None
+
+    def __init__(self, component: FmuComponent, fmu: Fmu, around: Around) -> None:
+        """Instantiate; raises `FmuError`."""
+        super().__init__(component, fmu, around)
+        self._divides = component.policy.discarded_steps == "divide"
+        self._stepper = Stepper(self.instance, self.notes, self.seconds, self._divides)
 
     def instantiate(self) -> FmuInstance:
         """With event mode where the FMU has it; some claim one that they do not have."""
@@ -68,10 +76,8 @@ class CoSimulation(DrivenParticipant):
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU; from here on it is known what a step takes."""
         super().enter_initialization(start, stop)
-        divides = self.component.policy.discarded_steps == "divide"
-        self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
         timed = self.inputs.continuous or self.inputs.held
-        self._direct = not (self.instance.event_mode or timed or divides)
+        self._direct = not (self.instance.event_mode or timed or self._divides)
         self._in_event, self._near, self._last = False, 0, float("nan")
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}

@@ -59,6 +59,11 @@ class Texts:
             self.added(entry)
         return number
 
+    def replace(self, entries: Sequence[str | bytes]) -> None:
+        """Become the table of a run that has come further, of which `added` need not be told."""
+        self.entries[:] = entries
+        self._numbers = {entry: number for number, entry in enumerate(entries)}
+
 
 class Memory:
     """What `link` gives to participants.

@@ -73,7 +73,9 @@ class WorkerProcess:
                 f"no temporary folder can be made in {tempfile.gettempdir()}: "
                 f"{fault.strerror or fault}; make room there, or set TMPDIR to another folder"
             ) from fault
-        self._janitor = _janitor(self.folder)  # before the worker, so that no moment lacks one
+        reading, self._lifeline = os.pipe()  # ends when the last process that holds it does
+        self._janitor = _janitor(self.folder, reading)  # first, so that no moment lacks one
+        os.close(reading)
         self.connection, other = Pipe()
         sys.stdout.flush()
         sys.stderr.flush()
@@ -81,16 +83,13 @@ class WorkerProcess:
         with compiler_at_rest():
             self.pid = os.fork()
         if self.pid == 0:
-            if self._janitor is not None and self._janitor.stdin is not None:
-                os.close(self._janitor.stdin.fileno())  # it waits for the last holder of this end
+            os.close(self._lifeline)
             _live(work, other, self.connection, self.folder, supervisor)
         other.close()
         with contextlib.suppress(OSError):  # the worker does the same; whoever comes first
             os.setpgid(self.pid, self.pid)
-        if self._janitor is not None and self._janitor.stdin is not None:
-            with contextlib.suppress(OSError):
-                self._janitor.stdin.write(f"{self.pid}\n".encode())
-                self._janitor.stdin.flush()
+        with contextlib.suppress(OSError):
+            os.write(self._lifeline, f"{self.pid}\n".encode())
 
     def tell(self, message: Any) -> None:
         """Send a message, which is lost where the worker is gone."""
@@ -123,7 +122,10 @@ class WorkerProcess:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.pid, signal.SIGKILL)  # what it started while it was dying
         shutil.rmtree(self.folder, ignore_errors=True)
-        self._release_janitor()
+        if self._janitor is not None:
+            self._janitor.kill()
+            self._janitor.wait()
+        os.close(self._lifeline)
         return code
 
     def _wait(self, seconds: float) -> None:
@@ -131,11 +133,6 @@ class WorkerProcess:
         until = time.monotonic() + seconds
         while not self.gone() and time.monotonic() < until:
             time.sleep(0.002)
-
-    def _release_janitor(self) -> None:
-        if self._janitor is not None:
-            self._janitor.kill()
-            self._janitor.communicate()
 
 
 @contextlib.contextmanager
@@ -150,13 +147,12 @@ def compiler_at_rest() -> Iterator[None]:
         yield
 
 
-def _janitor(folder: Path) -> subprocess.Popen[bytes] | None:
+def _janitor(folder: Path, lifeline: int) -> subprocess.Popen[bytes] | None:
     command = ["/bin/sh", "-c", _JANITOR, "fmu-harness-janitor", str(folder)]
     quiet = subprocess.DEVNULL
     try:
         return subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, cwd="/",
-            start_new_session=True,
+            command, stdin=lifeline, stdout=quiet, stderr=quiet, cwd="/", start_new_session=True,
         )  # fmt: skip
     except OSError:  # no shell: only a killed supervisor leaves its folder behind
         return None

@@ -1,17 +1,19 @@
-"""What a supervised run may use: time for a call, time for the run, memory.
+"""What a run may use: time for a call, time for the run, memory; and whether it uses more.
 
-This module refuses to enforce anything; the supervisor does.
+This module refuses to end anything; the supervisor does, or the watchdog.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 from harness.clock import to_nanoseconds
 from harness.errors import UsageError
+from harness.process.marker import WORKING, Where
 
 CALL_SECONDS = 300.0
 CHECKPOINT_SECONDS = 10.0
@@ -49,6 +51,29 @@ class Limits:
     def memory_bytes(self) -> int | None:
         """The limit in force; None where the machine does not say what it has."""
         return self.memory if self.memory is not None else _default_memory()
+
+
+class Deadlines:
+    """Of the run that begins now; a call begins, or goes on, whenever something moves."""
+
+    def __init__(self, limits: Limits) -> None:
+        """Nothing has moved yet."""
+        self.limits = limits
+        self._began = self._moved = time.monotonic()
+        self._last: Where | None = None
+
+    def exceeded(self, where: Where, held: int) -> str:
+        """The limit that is exceeded, "call", "run" or "memory", or nothing; `where` the process
+        is now, `held` the bytes that it holds."""
+        now, limits = time.monotonic(), self.limits
+        if where != self._last or where.place == WORKING:
+            self._last, self._moved = where, now
+        if limits.call is not None and now - self._moved > limits.call:
+            return "call"
+        if limits.run is not None and now - self._began > limits.run:
+            return "run"
+        most = limits.memory_bytes
+        return "memory" if most is not None and held > most else ""
 
 
 def memory_size(text: str | int) -> int:

@@ -1,12 +1,9 @@
-"""The loop as the supervisor sees it: its clock in shared memory, its operations by name."""
+"""Compiled loops that a supervisor sees: their clock in shared memory, their operations by name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
-from harness.master import host as hosts
 from harness.master.faults import call_name
 from harness.master.host import Host
 from harness.master.program.link import Program
@@ -14,38 +11,30 @@ from harness.process.marker import Marker
 from harness.process.messages import Linked
 
 
-def linked_program(program: Program) -> Linked:
-    """What each operation of the program is."""
-    places: dict[int, int] = {}
-    calls: list[tuple[str, str]] = []
-    index = np.zeros(len(program.owners), dtype=np.int32)
-    for i, action in enumerate(program.owners):
-        if id(action) not in places:
-            places[id(action)] = len(calls)
-            calls.append((getattr(action, "component", ""), call_name(action)))
-        index[i] = places[id(action)]
-    system = program.plan.lowered.system
-    cycles = (system.stop_ns - system.start_ns) // program.plan.cycle_ns + 1
-    return Linked(tuple(calls), index.tobytes(), cycles)
+class VisibleHost(Host):
+    """The host of a run whose loop keeps its clock in `marker`; `send` is told what its
+    operations are."""
 
+    def __init__(self, marker: Marker, send: Callable[[Linked], None] | None = None) -> None:
+        """The clock begins anew."""
+        super().__init__()
+        self.clock, self.reached, self.stop_asked = marker.clock, marker.time, marker.stop
+        self.clock[:] = 0
+        self._marker, self._send = marker, send
 
-def show_loops(marker: Marker, send: Callable[[Linked], None]) -> None:
-    """From now on the loops of this process keep their clock in `marker`, and `send` is told what
-    their operations are."""
+    def linked(self, program: Program) -> None:
+        """Tell what its operations are."""
+        if self._send is None:
+            return
+        system = program.plan.lowered.system
+        names = {
+            id(action): (getattr(action, "component", ""), call_name(action))
+            for action in {id(action): action for action in program.owners}.values()
+        }
+        calls = tuple(names[id(action)] for action in program.owners)
+        cycles = (system.stop_ns - system.start_ns) // program.plan.cycle_ns + 1
+        self._send(Linked(calls, cycles, system.ticks_per_second))
 
-    class Shown(Host):
-        """A run that is seen and otherwise on its own."""
-
-        def __init__(self) -> None:
-            super().__init__()
-            self.clock = marker.clock
-
-        def linked(self, program: Program) -> None:
-            """Tell what its operations are."""
-            send(linked_program(program))
-
-        def loop(self, inside: bool) -> None:
-            """Mark that the loop runs."""
-            marker.looping(inside)
-
-    hosts.usual = Shown
+    def loop(self, inside: bool) -> None:
+        """Mark that the loop runs."""
+        self._marker.looping(inside)

@@ -16,13 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.compiler.operations import CYCLE, INSTANT, OPERATION, ROWS
+from harness.compiler.operations import CLOCK_SIZE, CYCLE, INSTANT, OPERATION, ROWS
 
-CLOCK_SIZE = 8
-_SEQUENCE, _PLACE, _CHUNK, _STOP, _LOGGED, _TIME = range(CLOCK_SIZE, CLOCK_SIZE + 6)
-_TEXT, _TEXT_SIZE = 256, 768
-_LOG, _LOG_LINES, _LOG_SIZE = 1024, 3, 512
-_SIZE = 4096
+_LOG_LINES = 3
+_PAGE = np.dtype(
+    [(name, np.int64) for name in ("sequence", "place", "chunk", "stop", "logged")]
+    + [("clock", np.int64, CLOCK_SIZE), ("time", np.float64)]
+    + [("component", "S256"), ("call", "S512"), ("log", "S512", _LOG_LINES)]
+)
 
 WORKING, CALLING, LOOPING = range(3)
 """What the worker does: Python of ours, a call into an FMU outside the loop, the loop."""
@@ -53,89 +54,65 @@ def shared_file(size: int) -> int:
 
 
 class Marker:
-    """The shared page. Made before the worker is; both sides use the same object."""
+    """The shared page. Made before the worker is; both sides use the same object. `clock` is the
+    loop's, in `time` long steps tell how far they are (s, shape (1,)), and `stop` (shape (1,)) is
+    1 where the supervisor wants the run to end."""
 
     def __init__(self) -> None:
-        self._memory = mmap.mmap(-1, _SIZE)  # shared with forked children
-        self._numbers: NDArray[np.int64] = np.frombuffer(self._memory, dtype=np.int64)[:16]
-        self.clock: NDArray[np.int64] = self._numbers[:CLOCK_SIZE]
-        self._cells = memoryview(self._memory).cast("q")  # the same numbers, quicker one by one
-        self.time: NDArray[np.float64] = self._numbers[_TIME : _TIME + 1].view(np.float64)
+        page: Any = np.frombuffer(mmap.mmap(-1, _PAGE.itemsize), dtype=_PAGE)  # shared with forks
+        self.clock: NDArray[np.int64] = page["clock"][0]
+        self.time: NDArray[np.float64] = page["time"]
+        self.stop: NDArray[np.int64] = page["stop"]
         self.time[0] = np.nan
-        self.stop: NDArray[np.int64] = self._numbers[_STOP : _STOP + 1]
+        self._sequence, self._place, self._chunk = page["sequence"], page["place"], page["chunk"]
+        self._component, self._call = page["component"], page["call"]
+        self._logged, self._log = page["logged"], page["log"][0]
 
     # the worker's side
 
     def calling(self, component: str, call: str) -> None:
         """Note a call outside the loop; two empty strings: it is over."""
         if call:
-            text = f"{component}\0{call}\0".encode()[: _TEXT_SIZE - 1] + b"\0"
-            self._memory[_TEXT : _TEXT + len(text)] = text
-        self._cells[_PLACE] = CALLING if call else WORKING
-        self._cells[_SEQUENCE] += 1
-
-    def reached(self, time: float) -> None:
-        """Note the time (s) that a simulation outside the loop has reached."""
-        self.time[0] = time
+            self._component[0], self._call[0] = component.encode(), call.encode()
+        self._place[0] = CALLING if call else WORKING
+        self._sequence[0] += 1
 
     def looping(self, inside: bool) -> None:
         """Note that the loop runs, or does not."""
-        self._numbers[_PLACE] = LOOPING if inside else WORKING
-        self._numbers[_SEQUENCE] += 1
+        self._place[0] = LOOPING if inside else WORKING
+        self._sequence[0] += 1
 
     def logged(self, text: str) -> None:
         """Keep a line that an FMU logged."""
-        line = text.encode()[: _LOG_SIZE - 1] + b"\0"
-        start = _LOG + int(self._numbers[_LOGGED] % _LOG_LINES) * _LOG_SIZE
-        self._memory[start : start + len(line)] = line
-        self._numbers[_LOGGED] += 1
+        self._log[self._logged[0] % _LOG_LINES] = text.encode()
+        self._logged[0] += 1
 
     def begin_chunk(self, number: int) -> None:
         """The rows of chunk `number` come now, and there are none of it yet."""
         self.clock[ROWS] = 0
-        self._numbers[_CHUNK] = number
-
-    @property
-    def stop_asked(self) -> bool:
-        """Whether the supervisor wants the run to end."""
-        return bool(self._cells[_STOP])
+        self._chunk[0] = number
 
     # the supervisor's side
-
-    def ask_to_stop(self) -> None:
-        """Let the worker end between two chunks."""
-        self._numbers[_STOP] = 1
 
     def rows(self, chunk: int) -> int:
         """How many rows of `chunk` are there; 0 where the worker is not at it."""
         count = int(self.clock[ROWS])
-        return count if int(self._numbers[_CHUNK]) == chunk else 0
+        return count if self._chunk[0] == chunk else 0
 
     def where(self) -> Where:
         """What the worker does now, or did last."""
-        text = bytes(self._memory[_TEXT : _TEXT + _TEXT_SIZE]).decode("utf-8", "replace")
-        component, _, rest = text.partition("\0")
-        place = int(self._numbers[_PLACE])
-        outside = place == CALLING
-        reached = float(self.time[0])
-        return Where(
-            place,
-            int(self._numbers[_SEQUENCE]),
-            component if outside else "",
-            rest.partition("\0")[0] if outside else "",
-            int(self.clock[CYCLE]),
-            int(self.clock[INSTANT]),
-            int(self.clock[OPERATION]),
-            reached if reached == reached else None,
-        )
+        place, reached = int(self._place[0]), float(self.time[0])
+        names = (self._component[0], self._call[0]) if place == CALLING else (b"", b"")
+        component, call = (name.decode("utf-8", "replace") for name in names)
+        cycle, now, operation = (int(self.clock[i]) for i in (CYCLE, INSTANT, OPERATION))
+        time = reached if reached == reached else None
+        return Where(place, int(self._sequence[0]), component, call, cycle, now, operation, time)
 
     def log_lines(self) -> list[str]:
         """The last lines that FMUs logged, oldest first."""
-        count = int(self._numbers[_LOGGED])
-        places = [i % _LOG_LINES for i in range(max(0, count - _LOG_LINES), count)]
-        starts = [_LOG + place * _LOG_SIZE for place in places]
-        raw = [bytes(self._memory[start : start + _LOG_SIZE]) for start in starts]
-        return [line.partition(b"\0")[0].decode("utf-8", "replace") for line in raw]
+        count = int(self._logged[0])
+        lines = (self._log[i % _LOG_LINES] for i in range(max(0, count - _LOG_LINES), count))
+        return [line.decode("utf-8", "replace") for line in lines]
 
 
 class RowMemory:

@@ -1,4 +1,9 @@
-"""What worker and supervisor tell one another over their pipe."""
+"""What worker and supervisor tell one another over their pipe.
+
+Any worker sends `Told`, `Printed`, `Linked` and at its end `Done`; the supervisor sends what a
+`Told` is answered by. What is told by the run of a system is its manifest as soon as the system is
+whole, then any of the rest.
+"""
 
 from __future__ import annotations
 
@@ -6,61 +11,57 @@ import pickle
 import traceback
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # a simulation without a loop does not wait for the compiler
+from harness.errors import HarnessError
+
+if TYPE_CHECKING:  # work without a loop does not wait for the compiler
     from harness.fmi.binding.logger import LogMessage
-    from harness.master.run import Outcome
-    from harness.process.checkpoint import Snapshot
-    from harness.results.columns import Column
-    from harness.results.manifest import FmuRecord
-    from harness.system.graph import Endpoint, System
 
 
 @dataclass(frozen=True)
-class Job:
-    """What a worker has to run: `logging` asks FMUs to log, `every` is the seconds of wall
-    time and `every_ns` the simulated nanoseconds between checkpoints (None: none), `resumed` what
-    to begin with."""
+class Told:
+    """Whatever shall outlive the worker; `answered`: it will ask for an answer."""
 
-    system: System
-    record: tuple[str | Endpoint, ...] = ("*",)
-    needed: tuple[str, ...] = ()
-    logging: bool = False
-    every: float | None = None
-    every_ns: int | None = None
-    resumed: Snapshot | None = None
+    content: Any
+    answered: bool = False
 
 
 @dataclass(frozen=True)
-class Planned:
-    """The system is whole; the worker waits for leave to go on. `files` by FMU component;
-    `not_resumable`: why there can be no checkpoints, or nothing; `notes` are those of the plan."""
+class Printed:
+    """Text that Python wrote to `stream`, "stdout" or "stderr"."""
 
-    columns: tuple[Column, ...]
-    fmus: tuple[FmuRecord, ...]
-    files: dict[str, Path]
-    not_resumable: str
-    notes: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Room:
-    """The row memory has its size: rows a chunk, columns."""
-
-    rows: int
-    columns: int
+    stream: str
+    text: str
 
 
 @dataclass(frozen=True)
 class Linked:
-    """What each operation of the program is: `calls[index[i]]` is component and call of
-    operation i (int32 as bytes)."""
+    """A loop is about to run: component and call of each of its operations, the number of its
+    cycles, and the unit of its times."""
 
     calls: tuple[tuple[str, str], ...]
-    index: bytes
     cycles: int
+    ticks_per_second: int
+
+
+@dataclass(frozen=True)
+class Done:
+    """The work is over: `fault` is what went through it, `stopped`: it was asked to end."""
+
+    value: Any = None
+    fault: bytes = b""
+    stopped: bool = False
+
+
+@dataclass(frozen=True)
+class Room:
+    """The row memory has its size: rows a chunk, columns. `in_order`: every row is there for good
+    as soon as it is written; otherwise that is so at the end of its chunk."""
+
+    rows: int
+    columns: int
+    in_order: bool
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,13 @@ class Texts:
 
 
 @dataclass(frozen=True)
+class Notes:
+    """What participants had to derive, leave out or do otherwise; some may have been told."""
+
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Checkpoint:
     """The state after all chunks told so far."""
 
@@ -86,27 +94,11 @@ class Checkpoint:
 
 
 @dataclass(frozen=True)
-class Heard:
+class Logged:
     """A message of an FMU."""
 
     component: str
     message: LogMessage
-
-
-@dataclass(frozen=True)
-class Printed:
-    """Text that Python wrote to `stream`, "stdout" or "stderr"."""
-
-    stream: str
-    text: str
-
-
-@dataclass(frozen=True)
-class Ended:
-    """The run is over; `outcome` None where it was stopped, `fault` what went through it."""
-
-    outcome: Outcome | None = None
-    fault: bytes = b""
 
 
 def packed(fault: BaseException) -> bytes:
@@ -128,7 +120,7 @@ def unpacked(content: bytes) -> BaseException:
 
 
 def _portable(fault: BaseException) -> BaseException:
-    if fault.__traceback__ is not None and len(traceback.extract_tb(fault.__traceback__)) > 1:
+    if fault.__traceback__ is not None and not isinstance(fault, HarnessError):
         where = "".join(traceback.format_tb(fault.__traceback__)[-4:])
         fault.add_note(f"in the worker process:\n{where}")
     try:

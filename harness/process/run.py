@@ -1,21 +1,32 @@
-"""A run under a supervisor, from a system to a result."""
+"""A run under a supervisor, from a system to a result.
+
+The supervisor writes the recording, so rows outlive the worker whatever happens to it: they are in
+shared memory as soon as the loop has written them, and on disk a moment and a chunk's handling
+later.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from os import close
 from pathlib import Path
 from typing import Any
 
-from harness.clock import to_nanoseconds
 from harness.errors import HarnessError, SimulationError
 from harness.master.prepared import Echo
-from harness.master.run import Progress
-from harness.process.checkpoint import CHECKPOINT_FILE
+from harness.master.run import Progress, in_time_order
+from harness.process.checkpoint import CHECKPOINT_FILE, resumable, write_checkpoint
 from harness.process.interrupts import INTERRUPTED
 from harness.process.limits import Limits
-from harness.process.messages import Job, Planned
-from harness.process.resume import resumable
-from harness.process.supervisor import Supervised, supervise
+from harness.process.marker import Marker, RowMemory, shared_file
+from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
+from harness.process.task import live
+from harness.process.warm import warm_up
+from harness.process.watch import Watch
+from harness.process.worker import Job, run_job
 from harness.results.manifest import Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
@@ -41,65 +52,133 @@ def run_supervised(
     `ExperimentError` where it cannot, and leaves the folder as it was.
     """
     limits = limits or Limits()
-    every = limits.checkpoint if folder is not None else None
-    apart = limits.checkpoint_simulated if folder is not None else None
-    every_ns = None if apart is None else to_nanoseconds(apart, "limit checkpoint_simulated")
+    if folder is None:  # checkpoints are for folders
+        limits = replace(limits, checkpoint=None, checkpoint_simulated=None)
     resumed = resumable(folder) if resume and folder is not None else None
-    job = Job(system, tuple(record), tuple(needed), echo is not None, every, every_ns, resumed)
 
-    def open_recording(planned: Planned) -> Recording:
-        manifest = Manifest(
-            fmus=planned.fmus, seeds={"seed": system.seed}, experiment=dict(experiment or {}),
-            not_resumable=planned.not_resumable, notes=planned.notes,
-        )  # fmt: skip
-        rows = None if not resume else resumed.rows if resumed is not None else 0
-        return Recording(planned.columns, folder, manifest, continued=rows)
+    first = None if not resume else resumed.rows if resumed is not None else 0
 
-    return conclude(supervise(job, limits, open_recording, progress=progress, echo=echo), folder)
+    def open_recording(manifest: Manifest) -> Recording:
+        whole = replace(manifest, experiment=dict(experiment or {}))
+        return Recording(whole.columns, folder, whole, continued=first)
+
+    job = Job(system, tuple(record), tuple(needed), echo is not None, limits, resumed)
+    rows = _Rows(open_recording, progress, echo)
+    watch = Watch(
+        limits, rows.receive, look=rows.look, marker=rows.marker,
+        files={c.name: c.path for c in system.fmus},
+    )  # fmt: skip
+    warm_up(system)
+    try:
+        watch.follow(partial(live, partial(run_job, job, rows.descriptor), rows.marker))
+        watch.attempt(rows.take_rest)
+    finally:
+        close(rows.descriptor)
+    if watch.fault is None and progress is not None:
+        progress(1.0)
+    return _conclude(watch, rows.recording, folder)
 
 
-def conclude(found: Supervised, folder: Path | None) -> Result:
+class _Rows:
+    """What becomes of what the worker of a run tells: `chunk` is the one under way, `taken` its
+    rows recorded."""
+
+    def __init__(
+        self,
+        open_recording: Callable[[Manifest], Recording],
+        progress: Progress | None,
+        echo: Echo | None,
+    ) -> None:
+        self.marker = Marker()
+        self.descriptor = shared_file(0)
+        self.recording: Recording | None = None
+        self._open, self._progress, self._echo = open_recording, progress, echo
+        self._memory: RowMemory | None = None
+        self._early = False
+        self._chunk, self._taken = 1, 0
+
+    def receive(self, content: Any) -> None:
+        """Deal with what the worker tells; raises `HarnessError` where it cannot be recorded."""
+        recording = self.recording
+        match content:
+            case Manifest():
+                self.recording = self._open(content)
+            case Room() if recording is not None:
+                self._memory = RowMemory(self.descriptor, content.rows, content.columns)
+                texts = any(column.dtype is None for column in recording.columns)
+                self._early = content.in_order and not texts
+            case Chunk():
+                self._record(content.rows)
+                self._chunk, self._taken = content.number + 1, 0
+            case Texts() if recording is not None:
+                recording.add_texts(content.new)
+            case Notes() if recording is not None:
+                recording.add_notes(content.notes)
+            case Checkpoint() if recording is not None and recording.folder is not None:
+                try:
+                    recording.sync()
+                    write_checkpoint(recording.folder, content.content)
+                except HarnessError as fault:  # a full disk; the one before it stays
+                    warnings.warn(str(fault), stacklevel=2)
+            case Logged() if self._echo is not None:
+                self._echo(content.component, content.message)
+
+    def look(self, share: float) -> None:
+        """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
+        when all of their texts have come."""
+        if self._early:
+            self._record(self.marker.rows(self._chunk) - 1)  # the newest may be half written
+        if self._progress is not None:
+            self._progress(share)
+
+    def take_rest(self) -> None:
+        """The worker has ended: take what it has left of a chunk."""
+        self._record(self.marker.rows(self._chunk))
+
+    def _record(self, there: int) -> None:
+        """Record the rows of the chunk under way up to number `there`."""
+        if self._memory is not None and self.recording is not None and there > self._taken:
+            half, part = (self._chunk - 1) % 2, slice(self._taken, there)
+            self._taken = there
+            times, rows = self._memory.times[half][part], self._memory.values[half][part]
+            self.recording.append(*in_time_order(times, rows))
+
+
+def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) -> Result:
     """Close the recording and give the result, or raise what ended the run with its rows."""
-    fault = found.fault
-    if found.recording is None:
+    fault = watch.fault
+    if recording is None:
         assert fault is not None
         raise fault
     if fault is None:
-        notes = found.outcome.notes if found.outcome is not None else ()
-        result = found.recording.finish(notes=notes)
+        result = recording.finish()
         if folder is not None:
             (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
     if not isinstance(fault, Exception):
-        status = found.recording.leave(_reason(fault), keep_stream=resumable)
+        status = recording.leave(_reason(fault), keep_stream=resumable)
         if isinstance(fault, KeyboardInterrupt):
             fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {status.until or 0.0:.9g} s")
         raise fault
     try:
-        notes = found.outcome.notes if found.outcome is not None else ()
-        result = found.recording.finish(_reason(fault), keep_stream=resumable, notes=notes)
+        result = recording.finish(_reason(fault), keep_stream=resumable)
     except HarnessError as second:  # a full disk; the rows that were written stay in their stream
         if isinstance(fault, HarnessError):
             raise fault from second
         raise
-    if found.died and folder is not None:
-        fault = SimulationError(f"{fault}; {_kept(result, folder)}")
+    if watch.died and folder is not None:
+        until = result.status.until
+        rows = f"there are no rows, and {folder} says why"
+        if until is not None:
+            rows = f"rows until t = {until:.9g} s are in {folder}"
+        fault = SimulationError(f"{fault}; {rows}")
     if isinstance(fault, HarnessError):
         fault.result = result
     raise fault
 
 
-def _kept(result: Result, folder: Path) -> str:
-    until = result.status.until
-    if until is None:
-        return f"there are no rows, and {folder} says why"
-    return f"rows until t = {until:.9g} s are in {folder}"
-
-
 def _reason(fault: BaseException) -> str:
     if isinstance(fault, KeyboardInterrupt):
         return str(fault) or INTERRUPTED
-    if isinstance(fault, HarnessError):
-        return str(fault)
-    return f"{type(fault).__name__}: {fault}"
+    return str(fault) if isinstance(fault, HarnessError) else f"{type(fault).__name__}: {fault}"

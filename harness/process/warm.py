@@ -1,4 +1,5 @@
-"""Machine code made ready before a worker is forked, so that every worker finds it there.
+"""What takes time, foremost machine code, made ready before a worker is forked, so that every
+worker finds it there.
 
 A worker's memory is gone with it, so what it loads it would load for every run. Nothing of an FMU
 is touched here.
@@ -16,12 +17,14 @@ from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.errors import HarnessError
 from harness.master.program.loop import run_cycles
+from harness.results.manifest import software_versions
 from harness.system.graph import BlockComponent, System
 
 
 def warm_up(system: System) -> None:
     """Load the loop and the blocks of `system`; a fault in a block is left for its run to tell."""
     _load_loop()
+    software_versions()
     blocks = [c.block for c in system.components if isinstance(c, BlockComponent)]
     with suppress(HarnessError):
         for connection in system.connections:
@@ -36,17 +39,8 @@ def _load_loop() -> None:
     """By a call that has nothing to do."""
     whole, real = np.zeros(1, dtype=np.int64), np.zeros(1)
     run_cycles(
-        np.zeros((0, op.WIDTH), dtype=np.int64),
-        np.zeros((0, 3), dtype=np.int64),
-        np.zeros(5, dtype=np.int64),
-        np.zeros(op.CLOCK_SIZE, dtype=np.int64),
-        real,
-        np.zeros((0, 3), dtype=np.int64),
-        np.zeros((0, 2)),
-        real,
-        whole,
-        np.zeros(8, dtype=np.uint8),
-        whole,
-        np.zeros((0, 1)),
-        real,
-    )
+        np.zeros((0, op.WIDTH), dtype=np.int64), np.zeros((0, 3), dtype=np.int64),
+        np.zeros(5, dtype=np.int64), np.zeros(op.CLOCK_SIZE, dtype=np.int64), real,
+        np.zeros((0, 3), dtype=np.int64), np.zeros((0, 2)), real, whole,
+        np.zeros(8, dtype=np.uint8), whole, np.zeros((0, 1)), real,
+    )  # fmt: skip

@@ -1,9 +1,7 @@
 """Watching a worker: from its start to its end, within its limits, whatever it does.
 
-This is what all supervision has in common: the loop over messages, the deadlines, Ctrl-C, and the
-sentence where the worker dies. What messages mean is left to those who watch something particular
-(`supervisor` for runs of systems, `task` for any other work). Nothing that an FMU does runs in
-this process.
+The loop over messages, the deadlines, Ctrl-C, and the sentence where the worker dies. What is told
+goes to whoever started the work. Nothing that an FMU does runs in this process.
 """
 
 from __future__ import annotations
@@ -13,8 +11,7 @@ import sys
 import tempfile
 import time
 import warnings
-from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -26,40 +23,40 @@ from harness.process import sentence
 from harness.process.fork import WorkerProcess
 from harness.process.interrupts import Interrupts
 from harness.process.isolation import isolate, missing
-from harness.process.limits import Limits
-from harness.process.marker import WORKING, Marker, Where
-from harness.process.messages import Printed
+from harness.process.limits import Deadlines, Limits
+from harness.process.marker import Marker
+from harness.process.messages import Done, Linked, Printed, Told, unpacked
 
 _LOOK_SECONDS = 0.05
 _GRACE_SECONDS = 0.4  # for a worker that was asked to stop
 
+Receive = Callable[[Any], Any]
+"""Takes what a worker tells; gives the answer where it waits for one."""
+Look = Callable[[float], None]
+"""Called every now and then while a worker lives, with the share of its loop's cycles done."""
 
-class Watch(ABC):
-    """One worker and what is known of it: `fault` what ended it early, `died` where it did not
-    end itself; `over` once it has said that it is done, `stopped` where that was by request."""
 
-    def __init__(self, limits: Limits) -> None:
-        """Starts nothing."""
+class Watch:
+    """One worker and what is known of it: `done` is its last message, None where it sent none,
+    `fault` what ended the work early, `died` whether that was not the work itself."""
+
+    def __init__(
+        self,
+        limits: Limits,
+        receive: Receive,
+        *,
+        look: Look | None = None,
+        files: Mapping[str, Path] | Path | None = None,
+        marker: Marker | None = None,
+    ) -> None:
+        """Starts nothing. `files` are the FMUs, by component, or the only one."""
         self.limits = limits
-        self.marker = Marker()
-        self.calls = sentence.Calls()
+        self.marker = marker or Marker()
         self.fault: BaseException | None = None
+        self.done: Done | None = None
         self.died = False
-        self.over = False
-        self.stopped = False
-        self._last: Where | None = None
-
-    @abstractmethod
-    def take(self, worker: WorkerProcess, message: Any) -> None:
-        """Deal with a message of the worker."""
-
-    @abstractmethod
-    def take_late(self, worker: WorkerProcess, message: Any) -> None:
-        """Deal with a message that was in the pipe when the worker was gone already."""
-
-    @abstractmethod
-    def see(self, where: Where) -> None:
-        """Look at where the worker is, every now and then."""
+        self._receive, self._notice = receive, look
+        self._calls = sentence.Calls(files)
 
     def follow(self, work: Callable[[Connection], None]) -> None:
         """Start a worker for `work` and watch it to its end; no fault of it is raised."""
@@ -78,72 +75,75 @@ class Watch(ABC):
             at_once = True
             try:
                 at_once = self._until_over(worker, interrupts)
-            except BaseException as fault:  # of a callback; rows are closed before it goes on
-                self.fault = fault
+            except BaseException as fault:  # results are closed before it goes on
+                self.fault = self.fault or fault
             code = worker.end(at_once=at_once)
-            self._take_rest(worker)
+            with suppress(EOFError, OSError):
+                while worker.connection.poll(0):
+                    self._take(worker, worker.connection.recv())
             worker.connection.close()
-        if self.fault is None and not self.over:
-            log = self.marker.log_lines()
-            self.fault = SimulationError(sentence.death(self.calls, self.marker.where(), code, log))
+        if self.fault is None and self.done is None:
+            where, log = self.marker.where(), self.marker.log_lines()
+            self.fault = SimulationError(sentence.death(self._calls, where, code, log))
             self.died = True
+        elif self.fault is None and self.done is not None and self.done.fault:
+            self.fault = unpacked(self.done.fault)
+
+    def attempt(self, action: Callable[..., Any], *arguments: Any) -> Any:
+        """What it returns; what it raises ends the work."""
+        try:
+            return action(*arguments)
+        except BaseException as fault:
+            self.fault = self.fault or fault
 
     def _until_over(self, worker: WorkerProcess, interrupts: Interrupts) -> bool:
         """Follow the worker to its end; whether it is to be killed at once."""
-        self._began = self._moved = looked = time.monotonic()
+        deadlines, looked = Deadlines(self.limits), time.monotonic()
         stop_by: float | None = None
         arrives = select.poll()  # that of a Connection is made anew for every message
         arrives.register(worker.connection.fileno(), select.POLLIN)
-        while not self.over and self.fault is None:
+        while self.done is None and self.fault is None:
             if arrives.poll(1000.0 * _LOOK_SECONDS):
                 try:
                     message = worker.connection.recv()
                 except (EOFError, OSError):
                     return False
-                self.take(worker, message)
+                self._take(worker, message)
             elif worker.gone() and not worker.connection.poll(0):
                 return False
             now = time.monotonic()
             if now - looked >= _LOOK_SECONDS:
                 looked = now
-                self._look(worker, now)
+                self._look(worker, deadlines)
             if interrupts.reason and stop_by is None:
-                self.marker.ask_to_stop()
+                self.marker.stop[0] = 1
                 stop_by = now + _GRACE_SECONDS
             if stop_by is not None and now > stop_by:
                 break
-        if interrupts.reason and not self.over:
+        if interrupts.reason and (self.done is None or self.done.stopped):
             self.fault = self.fault or interrupts.fault()
-        elif interrupts.reason and self.stopped:
-            self.fault = interrupts.fault()
         return True
 
-    def _look(self, worker: WorkerProcess, now: float) -> None:
-        """See whether limits are kept."""
-        where = self.marker.where()
-        if where != self._last or where.place == WORKING:
-            self._last, self._moved = where, now
-        self.see(where)
-        limits, log = self.limits, self.marker.log_lines()
-        held, most = worker.memory(), limits.memory_bytes
-        told = ""
-        if limits.call is not None and now - self._moved > limits.call:
-            told = sentence.overdue(self.calls, where, limits, log)
-        elif limits.run is not None and now - self._began > limits.run:
-            told = sentence.too_long(self.calls, where, limits)
-        elif most is not None and held > most:
-            told = sentence.too_big(self.calls, where, held, most, log)
-        if told:
+    def _take(self, worker: WorkerProcess, message: Any) -> None:
+        match message:
+            case Told():
+                answer = self.attempt(self._receive, message.content)
+                if message.answered:
+                    worker.tell(answer)
+            case Linked():
+                self._calls.linked = message
+            case Printed():
+                with suppress(OSError, ValueError):
+                    getattr(sys, message.stream).write(message.text)
+            case Done():
+                self.done = message
+
+    def _look(self, worker: WorkerProcess, deadlines: Deadlines) -> None:
+        """See how far the worker is, and whether limits are kept."""
+        where, held, linked = self.marker.where(), worker.memory(), self._calls.linked
+        if self._notice is not None and linked is not None:
+            self.attempt(self._notice, min(1.0, where.cycle / linked.cycles))
+        if limit := deadlines.exceeded(where, held):
+            log = self.marker.log_lines()
+            told = sentence.excess(limit, self._calls, where, self.limits, held, log)
             self.fault, self.died = SimulationError(told), True
-
-    def _take_rest(self, worker: WorkerProcess) -> None:
-        """The worker is gone: take what it has left in the pipe."""
-        with suppress(EOFError, OSError):
-            while worker.connection.poll(0):
-                self.take_late(worker, worker.connection.recv())
-
-
-def show(printed: Printed) -> None:
-    """Write text of the worker to the stream that it was meant for."""
-    with suppress(OSError, ValueError):
-        getattr(sys, printed.stream).write(printed.text)

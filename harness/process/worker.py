@@ -1,4 +1,4 @@
-"""What happens in the worker: open, plan, execute, and tell the supervisor.
+"""What happens in the worker of a run: open, plan, execute, and tell the supervisor.
 
 It writes no file of its own but what FMUs are unpacked to, and decides nothing: rows, faults and
 the state for checkpoints go to the supervisor.
@@ -6,123 +6,97 @@ the state for checkpoints go to the supervisor.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from multiprocessing.connection import Connection
-from threading import Lock
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler.operations import CYCLE, INSTANT
 from harness.errors import ExperimentError, FmuError
-from harness.fmi.binding import mark
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.fmi.wording import shorten
-from harness.master.host import Host, Rows, Times
+from harness.master.host import Rows, Times
 from harness.master.opened import opened
 from harness.master.plan.planner import Plan
-from harness.master.prepared import check_needed
+from harness.master.prepared import check_needed, manifest_of
 from harness.master.program.link import Program
 from harness.master.recorded import columns_of
 from harness.master.run import execute, plan_system
-from harness.process.checkpoint import differences, made_of, restore, take, why_not
-from harness.process.loops import linked_program
-from harness.process.marker import Marker, RowMemory
-from harness.process.messages import (
-    Checkpoint,
-    Chunk,
-    Ended,
-    Heard,
-    Job,
-    Planned,
-    Room,
-    Texts,
-    packed,
-)
-from harness.process.task import Forward, StopAskedError
-from harness.results.manifest import FmuRecord
+from harness.process.checkpoint import Snapshot, differences, made_of, restore, take, why_not
+from harness.process.limits import Limits
+from harness.process.loops import VisibleHost
+from harness.process.marker import RowMemory
+from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
+from harness.process.task import StopAskedError, Teller
+from harness.system.graph import Endpoint, System
 
 _LEAST_ROWS, _MOST_ROWS = 4096, 32768
 _CHUNK_BYTES = 2**23  # memory fresh from the system is slow to touch, and here both sides do
 
 
-def work(job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
-    """Run `job` to its end and tell it; `row_memory` is the descriptor of the rows' memory."""
-    sys.stdout = Forward(connection.send, "stdout")
-    sys.stderr = Forward(connection.send, "stderr")
-    mark.watch(marker.calling)
-    try:
-        ended = _run(job, _Watched(job, connection, marker, row_memory))
-    except StopAskedError:
-        ended = Ended()
-    except BaseException as fault:
-        ended = Ended(fault=packed(fault))
-    sys.stdout.flush()
-    sys.stderr.flush()
-    connection.send(ended)
+@dataclass(frozen=True)
+class Job:
+    """What a worker has to run: `logging` asks FMUs to log, `limits` say when there are to be
+    checkpoints, `resumed` what to begin with."""
+
+    system: System
+    record: tuple[str | Endpoint, ...] = ("*",)
+    needed: tuple[str, ...] = ()
+    logging: bool = False
+    limits: Limits = field(default_factory=Limits)
+    resumed: Snapshot | None = None
 
 
-def _run(job: Job, around: _Watched) -> Ended:
+def run_job(job: Job, row_memory: int, teller: Teller) -> None:
+    """Run `job` to its end; `row_memory` is the descriptor of the rows' memory."""
+    host = _Host(job, row_memory, teller)
     with opened(job.system) as fmus:
         plan = plan_system(job.system, fmus, job.record)
         columns = columns_of(plan, fmus)
         check_needed(job.needed, columns)
-        records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
-        files = {name: fmu.path for name, fmu in fmus.items()}
-        reason = around.plan(plan, fmus)
-        around.tell(Planned(columns, records, files, reason, plan.notes))
-        around.hear()
-        outcome = execute(plan, fmus, around, echo=around.heard, logging=job.logging, host=around)
-    if outcome.fault is None:
-        return Ended(outcome)
-    return Ended(replace(outcome, fault=None), packed(outcome.fault))
+        manifest = manifest_of(plan, fmus, columns)
+        reason = host.check_resumable(plan, fmus)
+        teller.tell(replace(manifest, not_resumable=reason), answered=True)
+        teller.answer()
+        outcome = execute(plan, fmus, host, echo=host.logged, logging=job.logging, host=host)
+    teller.tell(Notes(outcome.notes))
+    if outcome.fault is not None:
+        raise StopAskedError if teller.marker.stop[0] else outcome.fault
 
 
-class _Watched(Host):
+class _Host(VisibleHost):
     """A run whose clock and rows the supervisor sees."""
 
-    def __init__(self, job: Job, connection: Connection, marker: Marker, row_memory: int) -> None:
-        self.clock = marker.clock
-        self.reached, self.stop_asked = marker.time, marker.stop
-        self._job = job
-        self._connection = connection
-        self._marker = marker
-        self._descriptor = row_memory
+    def __init__(self, job: Job, row_memory: int, teller: Teller) -> None:
+        super().__init__(teller.marker, teller.send)
+        self._job, self._teller, self._descriptor = job, teller, row_memory
         self._memory: RowMemory | None = None
-        self._begun = 0  # chunks begun, which is also the number of the present one
+        self._told = 0  # chunks that are done
         self._taken = 0  # chunks whose rows the supervisor has
-        self._telling = Lock()
-        self._recorded = 0
+        self._recorded = 0  # rows
         self._made_of: dict[str, str] | None = None  # None: no checkpoints
-        self._live: Program | None = None
+        self._program: Program | None = None
+        self._begun = False
         self._saved = time.monotonic()
-        self._apart = 0  # cycles between checkpoints; 0: any number
+        self._cycles_between = 0  # of two checkpoints; 0: any number
 
-    def tell(self, message: Any) -> None:
-        """Send a message to the supervisor; an FMU may log from threads of its own."""
-        with self._telling:
-            self._connection.send(message)
+    def linked(self, program: Program) -> None:
+        """The program is there."""
+        super().linked(program)
+        self._program = program
 
-    def hear(self) -> Any:
-        """Wait for the supervisor."""
-        return self._connection.recv()
-
-    def plan(self, plan: Plan, fmus: Mapping[str, Fmu]) -> str:
+    def check_resumable(self, plan: Plan, fmus: Mapping[str, Fmu]) -> str:
         """Find out whether there can be checkpoints, and why not; refuse one of another run."""
-        interfaces = {name: fmu.description.co_simulation for name, fmu in fmus.items()}
-        can = {name: i is not None and i.can_serialize_fmu_state for name, i in interfaces.items()}
-        reason = why_not(plan, can)
-        job = self._job
-        wanted = job.every is not None or job.every_ns is not None or job.resumed is not None
-        if wanted and not reason:
-            self._made_of = made_of(plan, {name: fmu.sha256 for name, fmu in fmus.items()})
-        if self._job.resumed is not None:
-            changed = differences(self._job.resumed.made_of, self._made_of or {})
+        reason, job = why_not(plan, fmus), self._job
+        limits = job.limits
+        wanted = (limits.checkpoint, limits.checkpoint_simulated, job.resumed)
+        if not reason and any(one is not None for one in wanted):
+            self._made_of = made_of(plan, fmus)
+        if job.resumed is not None:
+            changed = differences(job.resumed.made_of, self._made_of or {})
             if changed:
                 raise ExperimentError(
                     f"the run cannot be resumed, since it is not what it was: {', '.join(changed)} "
@@ -130,11 +104,11 @@ class _Watched(Host):
                 )
         return reason
 
-    def heard(self, component: str, message: LogMessage) -> None:
+    def logged(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something."""
-        self._marker.logged(f"{component}: {shorten(message.text, 300)}")
+        self._teller.logged(f"{component}: {shorten(message.text, 300)}")
         if self._job.logging:
-            self.tell(Heard(component, message))
+            self._teller.tell(Logged(component, message))
 
     def chunk_rows(self, columns: int) -> int:
         """More than in one process, since every chunk costs two messages."""
@@ -143,74 +117,79 @@ class _Watched(Host):
     def most_rows(self, rows: int, columns: int) -> None:
         """Give the shared memory its size."""
         self._memory = RowMemory(self._descriptor, rows, columns, create=True)
-        self.tell(Room(rows, columns))
+        # events of one FMU may be recorded after later ones of another
+        in_order = self._program is not None and len(self._program.events) < 2
+        self._teller.tell(Room(rows, columns, in_order))
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
         """One half of the memory, after the supervisor has taken what was in it."""
         assert self._memory is not None
-        while self._begun - self._taken > 1:
-            self._taken = self.hear()
-        half = self._begun % 2
-        self._begun += 1
-        self._marker.begin_chunk(self._begun)
+        while self._told - self._taken > 1:
+            self._teller.answer()
+            self._taken += 1
+        self._teller.marker.begin_chunk(self._told + 1)
+        half = self._told % 2
         return self._memory.times[half], self._memory.values[half]
 
     def add_texts(self, new: Sequence[str | bytes]) -> None:
-        """Tell them before the rows that name them are there."""
-        self.tell(Texts(tuple(new)))
+        """Tell them before the rows that name them are there; a run that is resumed has those of
+        its checkpoint."""
+        if self._begun or self._job.resumed is None:
+            self._teller.tell(Texts(tuple(new)))
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
-        """A chunk is done; its rows are where the supervisor finds them."""
+        """A chunk is done; its rows are where the supervisor finds them, if need be in another
+        order than before."""
+        assert self._memory is not None
+        half = self._told % 2
+        if not np.shares_memory(times, self._memory.times[half]):
+            self._memory.times[half][: len(times)] = times
+            self._memory.values[half][: len(times)] = rows
         self._recorded += len(rows)
-        self.tell(Chunk(self._begun, len(rows)))
-
-    def linked(self, program: Program) -> None:
-        """Tell what each operation of the program is."""
-        self.tell(linked_program(program))
+        self._told += 1
+        self._teller.tell(Chunk(self._told, len(rows)), answered=True)
 
     def begin(self, program: Program) -> int:
         """The first cycle, or that after the checkpoint."""
-        self._live = program
+        self._begun = True
         self._saved = time.monotonic()
-        self._apart = _cycles_apart(self._job.every_ns, program.plan.cycle_ns)
+        every = self._job.limits.checkpoint_simulated
+        if every is not None:  # between cycles, so at least one, and rather too late
+            ticks = round(every * self._job.system.ticks_per_second)
+            self._cycles_between = -(-ticks // program.plan.cycle_ns)
+        self._teller.tell(Notes(tuple(n for p in program.participants.values() for n in p.notes)))
         snapshot = self._job.resumed
         if snapshot is None:
             return 0
         restore(program, snapshot)
+        self.add_texts(snapshot.texts)
         self._recorded = snapshot.rows
         self.clock[CYCLE], self.clock[INSTANT] = snapshot.cycle, snapshot.now_ns
         return snapshot.cycle
 
-    def loop(self, inside: bool) -> None:
-        """Mark that the loop runs."""
-        self._marker.looping(inside)
-
     def cycles_until(self, cycle: int) -> int:
         """A chunk ends where a checkpoint is due by simulated time."""
-        return self._apart - cycle % self._apart if self._apart else super().cycles_until(cycle)
+        between = self._cycles_between
+        return between - cycle % between if between else super().cycles_until(cycle)
 
     def between(self, cycle: int) -> None:
         """Save the state where it is time to; end where the supervisor wants it."""
-        stop = self._marker.stop_asked
-        due = self._job.every is not None and time.monotonic() - self._saved >= self._job.every
-        due = due or (self._apart > 0 and cycle % self._apart == 0)
-        if self._made_of is not None and (due or stop):
+        stop, every = self._teller.marker.stop[0], self._job.limits.checkpoint
+        due = every is not None and time.monotonic() - self._saved >= every
+        due = due or (self._cycles_between > 0 and cycle % self._cycles_between == 0)
+        if due or stop:
             self._save(cycle)
         if stop:
             raise StopAskedError
 
     def _save(self, cycle: int) -> None:
-        assert self._live is not None and self._made_of is not None
+        if self._program is None or self._made_of is None:
+            return
         now = int(self.clock[INSTANT])
         try:
-            snapshot = take(self._live, cycle, self._recorded, now, self._made_of)
+            snapshot = take(self._program, cycle, self._recorded, now, self._made_of)
         except FmuError:  # it promised what it cannot do; the run itself goes on
             self._made_of = None
             return
-        self.tell(Checkpoint(snapshot.to_bytes()))
+        self._teller.tell(Checkpoint(snapshot.to_bytes()))
         self._saved = time.monotonic()
-
-
-def _cycles_apart(every_ns: int | None, cycle_ns: int) -> int:
-    """Checkpoints are taken between cycles, so at least one, and rather too late."""
-    return 0 if every_ns is None else -(-every_ns // cycle_ns)

@@ -57,7 +57,8 @@ class FmuRecord:
 class Manifest:
     """The content of `manifest.json`. `seeds` by name of the random source, `experiment` resolved
     to plain data; `wall_time` in seconds; `not_resumable`: why the run has no checkpoints;
-    `notes` say what was chosen where the experiment says nothing."""
+    `notes` say what was chosen where the experiment says nothing, and what had to be left out or
+    done otherwise."""
 
     columns: tuple[Column, ...] = ()
     status: RunStatus = field(default_factory=lambda: RunStatus(RUNNING))

@@ -118,6 +118,11 @@ class Recording:
         """Appends to the table of texts, into which cells of text and binary columns point."""
         self._texts += new
 
+    def add_notes(self, notes: Iterable[str]) -> None:
+        """Puts notes into the manifest, each once."""
+        known = dict.fromkeys((*self._manifest.notes, *notes))
+        self._manifest = replace(self._manifest, notes=tuple(known))
+
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """Adds rows of 8-byte cells (shape (n, number of columns), see `Column`) at `times` (s,
         shape (n,)).
@@ -182,18 +187,15 @@ class Recording:
             except OSError as fault:
                 raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
 
-    def finish(
-        self, reason: str = "", *, keep_stream: bool = False, notes: Sequence[str] = ()
-    ) -> Result:
+    def finish(self, reason: str = "", *, keep_stream: bool = False) -> Result:
         """Ends the recording and gives the result; with a `reason` the run is incomplete, and the
-        stream may be kept beside the results, to be `continued`. `notes` join the manifest's.
+        stream may be kept beside the results, to be `continued`.
 
         A second call gives the same result.
         """
         if self.result is not None:
             return self.result
         self._set_status(reason)
-        self._manifest = replace(self._manifest, notes=(*self._manifest.notes, *notes))
         if self.folder is None:
             self.result = self._from_memory()
         else:

@@ -46,7 +46,7 @@ typedef struct {
     double x, u, T, time, d;
     void *environment;
     void *log;
-    char name[128];
+    char name[128], word[32];
     bool logging;
 } Lag;
 
@@ -364,6 +364,15 @@ EXPORT int fmi3GetFloat64(void *c, const unsigned *vr, size_t n, double *values,
     int status = m == n ? get(c, vr, n, values) : ERROR;
     spoil(fault, values, n);
     return status ? status : status_of(fault);
+}
+/* Variable 5: the output in words, another one after every step. */
+EXPORT int fmi3GetString(void *c, const unsigned *vr, size_t n, const char **values, size_t m) {
+    GUARD("GetString");
+    Lag *lag = c;
+    if (n != 1 || m != 1 || vr[0] != 5) return ERROR;
+    snprintf(lag->word, sizeof lag->word, "%.9g", lag->x);
+    values[0] = lag->word;
+    return status_of(fault);
 }
 EXPORT int fmi3SetFloat64(void *c, const unsigned *vr, size_t n, const double *values, size_t m) {
     GUARD("SetFloat64");

@@ -26,7 +26,6 @@ CALLS = {
 COMMON = {
     "EnterInitializationMode": "EnterInitializationMode",
     "ExitInitializationMode": "ExitInitializationMode", "DoStep": "doStep by 10 ms",
-    "Terminate": "Terminate",
 }  # fmt: skip
 STAGES = {"load": "loading its library", "Terminate": "fmi3Terminate",
           "FreeInstance": "fmi3FreeInstance", "unload": "unloading the library",
@@ -99,6 +98,7 @@ def _harmless() -> list[Run]:
         "DoStep log_null", "DoStep log_garbage", "DoStep log_format", "DoStep log_long",
         "DoStep log_missing", "DoStep log_write", "DoStep log_thread", "DoStep log_stranger",
         "DoStep log_many 9 10000", "DoStep print", "DoStep litter", "FreeInstance log",
+        "Terminate discard", "Terminate error", "Terminate fatal",
     ]  # fmt: skip
     runs = [Run(one, "", code=0, rows=11) for one in behaviours]
     second = ("log_missing", "log_write", "log_pointer", "log_null", "log_many 9 10000")

@@ -36,7 +36,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
-class Ward:
+class Examination:
     """The examination of one kind of interface; `scratch` is shared by its processes."""
 
     path: Path
