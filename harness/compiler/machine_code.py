@@ -18,6 +18,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any, Self, TypeVar
@@ -71,6 +72,21 @@ def _folders() -> list[Path]:
     return [*found, base / _APPLICATION]
 
 
+_HOUSE = Path(__file__).parents[1]
+_COMPILED = ("compiler", "participants", "participants/model_exchange", "master/program")
+
+
+@cache
+def _stamp() -> str:
+    """Changes with every module from which compiled functions take something."""
+    found = hashlib.sha256()
+    for room in _COMPILED:
+        for path in sorted((_HOUSE / room).glob("*.py")):
+            about = path.stat()
+            found.update(f"{path.name} {about.st_size} {about.st_mtime_ns}\n".encode())
+    return found.hexdigest()
+
+
 class _OwnPlace:
     """What numba calls a locator, of a function in a source file; asked after numba's own."""
 
@@ -120,6 +136,13 @@ class _Cache(FunctionCache):  # type: ignore[misc]
     """numba's cache, but for what it does where files cannot be read or written."""
 
     _impl_class = _Files
+
+    def __init__(self, function: Any) -> None:
+        """Code of ours also depends on the modules whose functions and constants are frozen into
+        it, which numba does not look at."""
+        super().__init__(function)
+        if Path(function.__code__.co_filename).is_relative_to(_HOUSE):
+            self._cache_file._source_stamp = self._cache_file._source_stamp, _stamp()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What is kept, or None; pickled code that is damaged can raise anything, and goes."""

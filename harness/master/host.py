@@ -25,12 +25,12 @@ Rows = NDArray[np.float64]
 
 class Host:
     """A run alone in its process; `clock` is the loop's, see `operations.CYCLE` and its fellows;
-    long steps tell their time (s) in `reached`, and look into `stop_asked` whether to end."""
+    `told` is where long steps tell their time (s), look whether to end, and tell their call."""
 
     def __init__(self) -> None:
         self.clock: NDArray[np.int64] = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
-        self.reached: NDArray[np.float64] | None = None
-        self.stop_asked: NDArray[np.int64] | None = None
+        self.told: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]] | tuple[()]
+        self.told = ()
         self._times: Times = np.empty(0)
         self._rows: Rows = np.empty((0, 0))
 

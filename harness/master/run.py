@@ -101,7 +101,7 @@ def execute(
     system = plan.lowered.system
     verbose = echo is not None if logging is None else logging
     host = host or hosts.usual()
-    around = Around(verbose, echo, system.ticks_per_second, host.reached, host.stop_asked)
+    around = Around(verbose, echo, system.ticks_per_second, *host.told)
     run = _Run(plan, fmus, recorder, host, around)
     fault: HarnessError | None = None
     with ExitStack() as stack:

@@ -38,25 +38,25 @@ steps, (first + k step) / whole in s."""
 
 (
     HOOK, WANTED, FREE, IN_EVENT, UNFINISHED, ROOT, ASKED_EVENT, REPEATS, UNCHANGED, EVENTS,
-    REACHED, STOP_ASKED, INITIALISING, NOMINALS_CHANGED, ROWS, ROOM,
-) = range(40, 56)  # fmt: skip
+    REACHED, STOP_ASKED, INITIALISING, NOMINALS_CHANGED, ROWS, ROOM, FUNCTION,
+) = range(40, 57)  # fmt: skip
 """The callback and what it is wanted for; whether the solver may pass the end of a step; whether
 the FMU is in event mode; whether an accepted step is still to be told, and whether an indicator
 changed its domain there; counters of events; where to tell the time, and where to look whether to
-end; where the number of rows stands, and how many there is room for."""
+end; where the number of rows stands, how many there is room for, and where to tell the call."""
 
-(FAILED, STATUS) = range(56, 58)
+(FAILED, STATUS) = range(57, 59)
 """The call that failed, and what it returned."""
 
 (
     TIME, SEGMENT, EVENT_TIME, HOOK_TIME, KINK_TIME, STOP_TIME, LAST_EVENT, RELATIVE, LARGEST,
     FAILED_AT, STEP_SIZE, BEFORE_TIME,
-) = range(58, 70)  # fmt: skip
+) = range(59, 71)  # fmt: skip
 """Times (s): of the solver, where inputs changed last, of the next time event, of the next event
 and the next kink that the hook knows, of the stop, of the last event; tolerance; times of a fault
 and of the last step of an explicit method."""
 
-SIZE = 70
+SIZE = 71
 
 APPLY, APPLY_AT_EVENT, TICK, MORE_TICKS, PLAN, BEFORE_EVENT, AFTER_EVENT, JUMPED, BEGIN = (
     1 << i for i in range(9)
@@ -125,3 +125,9 @@ def failed(c: int, what: int, status: int, time: float) -> int:
     put(c, STATUS, status)
     put_real(c, FAILED_AT, time)
     return status
+
+
+@compiled
+def mark(c: int, what: int) -> None:
+    """Tell which call of the FMU is under way: its number and 32 times the version of FMI."""
+    store_int64(get(c, FUNCTION), what + 32 * get(c, VERSION))

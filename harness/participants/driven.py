@@ -44,6 +44,17 @@ UPDATES = {1: "EventUpdate", 2: "NewDiscreteStates", 3: "UpdateDiscreteStates"}
 _MANY = 1000
 
 
+def function_name(mark: int) -> str:
+    """The function of FMI behind what compiled code has marked; "" for none."""
+    version, what = divmod(mark, 32)
+    if what not in _CALLS or version not in UPDATES:
+        return ""
+    name = UPDATES[version] if what == x.AT_UPDATE else _CALLS[what]
+    if what == x.AT_DERIVATIVES:
+        name = "GetContinuousStateDerivatives" if version == 3 else "GetDerivatives"
+    return f"fmi{'' if version == 1 else version}{name}"
+
+
 class DrivenParticipant(FmuParticipant):
     """An FMU whose steps are more than one call; `context` is what compiled code knows of it."""
 
@@ -52,8 +63,11 @@ class DrivenParticipant(FmuParticipant):
         self._stop = math.inf if stop is None else stop
         self.context = Context()
         self._settle = settle_entry()
-        for place, size in ((x.INFO, 16), (x.REACHED, 1), (x.STOP_ASKED, 1), (x.ROWS, 1)):
-            self.context.array(place, np.zeros(size, dtype=np.int64))
+        self.context.array(x.INFO, np.zeros(16, dtype=np.int64))
+        for place in (x.REACHED, x.STOP_ASKED, x.ROWS, x.FUNCTION):
+            self.context.array(place, np.zeros(1, dtype=np.int64))
+        if self.around.function is not None:
+            self.context.cells[x.FUNCTION] = self.around.function.ctypes.data
         self._room = self.context.array(x.ROOM, np.full(1, 2**62))
         if self.around.reached is not None:
             self.context.cells[x.REACHED] = self.around.reached.ctypes.data

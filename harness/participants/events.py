@@ -20,7 +20,7 @@ from harness.compiler.calls import (
 )
 from harness.compiler.machine_code import cached_callback, compiled
 from harness.participants import context as x
-from harness.participants.context import failed, get, put, put_real
+from harness.participants.context import failed, get, mark, put, put_real
 
 ENDED = op.ASKED + op.TERMINATED
 """The status of a step in which the FMU asks for the end of the run."""
@@ -42,6 +42,7 @@ def plain(c: int, function: int, what: int, time: float) -> int:
     """Call a function of the instance alone, where there is one."""
     if get(c, function) == 0:
         return 0
+    mark(c, what)
     status = call_status(get(c, function), (get(c, x.HANDLE),))
     return failed(c, what, status, time) if status > 1 or status < 0 else 0
 
@@ -52,6 +53,7 @@ def update(c: int, time: float) -> int:
     end, nominals changed, states changed, next time known), then the next time event (s)."""
     info = get(c, x.INFO)
     raw, version, function = info + 48, get(c, x.VERSION), get(c, x.UPDATE)
+    mark(c, x.AT_UPDATE)
     if version == 3:
         r = raw + 8
         flags = (get(c, x.HANDLE), r, r + 1, r + 2, r + 3, r + 4, raw)

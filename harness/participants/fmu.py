@@ -33,14 +33,15 @@ _KINDS: dict[InterfaceType, type[FmuParticipant]] = {}
 @dataclass(frozen=True)
 class Around:
     """What a run gives to its FMUs: whether and where they log, the number of ticks in a second,
-    where to tell the time inside of long steps (s, shape (1,)), and where to look whether to end
-    them (shape (1,))."""
+    where to tell the time inside of long steps (s, shape (1,)), where to look whether to end them,
+    and where to tell which call is under way (shape (1,) each)."""
 
     logging: bool = False
     echo: Callable[[str, LogMessage], None] | None = None
     ticks_per_second: int = 1_000_000_000
     reached: NDArray[np.float64] | None = None
     stop_asked: NDArray[np.int64] | None = None
+    function: NDArray[np.int64] | None = None
 
 
 class FmuParticipant(Participant):

@@ -18,7 +18,7 @@ class VisibleHost(Host):
     def __init__(self, marker: Marker, send: Callable[[Linked], None] | None = None) -> None:
         """The clock begins anew."""
         super().__init__()
-        self.clock, self.reached, self.stop_asked = marker.clock, marker.time, marker.stop
+        self.clock, self.told = marker.clock, (marker.time, marker.stop, marker.function)
         self.clock[:] = 0
         self._marker, self._send = marker, send
 

@@ -20,7 +20,7 @@ from harness.compiler.operations import CLOCK_SIZE, CYCLE, INSTANT, OPERATION, R
 
 _LOG_LINES = 3
 _PAGE = np.dtype(
-    [(name, np.int64) for name in ("sequence", "place", "chunk", "stop", "logged")]
+    [(name, np.int64) for name in ("sequence", "place", "chunk", "stop", "logged", "function")]
     + [("clock", np.int64, CLOCK_SIZE), ("time", np.float64)]
     + [("component", "S256"), ("call", "S512"), ("log", "S512", _LOG_LINES)]
 )
@@ -44,6 +44,7 @@ class Where:
     now_ns: int
     operation: int
     reached: float | None = None
+    function: int = 0
 
 
 def shared_file(size: int) -> int:
@@ -55,7 +56,8 @@ def shared_file(size: int) -> int:
 
 class Marker:
     """The shared page. Made before the worker is; both sides use the same object. `clock` is the
-    loop's, in `time` long steps tell how far they are (s, shape (1,)), and `stop` (shape (1,)) is
+    loop's, in `time` long steps tell how far they are (s, shape (1,)) and in `function` in
+    which call of an FMU (see `participants.context.mark`), and `stop` (shape (1,)) is
     1 where the supervisor wants the run to end."""
 
     def __init__(self) -> None:
@@ -63,7 +65,8 @@ class Marker:
         self.clock: NDArray[np.int64] = page["clock"][0]
         self.time: NDArray[np.float64] = page["time"]
         self.stop: NDArray[np.int64] = page["stop"]
-        self.time[0] = np.nan
+        self.function: NDArray[np.int64] = page["function"]
+        self.time[0], self._inside = np.nan, False
         self._sequence, self._place, self._chunk = page["sequence"], page["place"], page["chunk"]
         self._component, self._call = page["component"], page["call"]
         self._logged, self._log = page["logged"], page["log"][0]
@@ -74,11 +77,12 @@ class Marker:
         """Note a call outside the loop; two empty strings: it is over."""
         if call:
             self._component[0], self._call[0] = component.encode(), call.encode()
-        self._place[0] = CALLING if call else WORKING
+        self._place[0] = CALLING if call else LOOPING if self._inside else WORKING
         self._sequence[0] += 1
 
     def looping(self, inside: bool) -> None:
         """Note that the loop runs, or does not."""
+        self._inside = inside
         self._place[0] = LOOPING if inside else WORKING
         self._sequence[0] += 1
 
@@ -106,7 +110,9 @@ class Marker:
         component, call = (name.decode("utf-8", "replace") for name in names)
         cycle, now, operation = (int(self.clock[i]) for i in (CYCLE, INSTANT, OPERATION))
         time = reached if reached == reached else None
-        return Where(place, int(self._sequence[0]), component, call, cycle, now, operation, time)
+        function = int(self.function[0])
+        sequence = int(self._sequence[0])
+        return Where(place, sequence, component, call, cycle, now, operation, time, function)
 
     def log_lines(self) -> list[str]:
         """The last lines that FMUs logged, oldest first."""

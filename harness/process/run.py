@@ -157,9 +157,15 @@ def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) ->
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
     if not isinstance(fault, Exception):
-        status = recording.leave(_reason(fault), keep_stream=resumable)
+        reason = _reason(fault)
+        if folder is None:  # nothing is to be written, so the rows are there at once
+            found: Result | None = recording.finish(reason)
+        else:
+            recording.leave(reason, keep_stream=resumable)
+            found = None
         if isinstance(fault, KeyboardInterrupt):
-            fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {status.until or 0.0:.9g} s")
+            fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {recording.until:.9g} s")
+        fault.result = found  # type: ignore[attr-defined]
         raise fault
     try:
         result = recording.finish(_reason(fault), keep_stream=resumable)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from harness.participants.driven import function_name
 from harness.process.limits import Limits, show_memory
 from harness.process.marker import LOOPING, WORKING, Where
 from harness.process.messages import Linked
@@ -36,6 +37,7 @@ class Calls:
             time = now if time is None else max(now, time)
             if where.place == LOOPING:
                 component, call = self.linked.calls[where.operation]
+                call = function_name(where.function) or call
         when = "" if time is None else f" at t = {time:.9g} s"
         if not call:
             return f"the worker process{when}"

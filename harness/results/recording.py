@@ -114,6 +114,11 @@ class Recording:
         if kept:
             self._last = kept[-1].column(0)[-1].as_py()
 
+    @property
+    def until(self) -> float:
+        """The time of the last row (s), 0 where there is none."""
+        return self._last or 0.0
+
     def add_texts(self, new: Sequence[str | bytes]) -> None:
         """Appends to the table of texts, into which cells of text and binary columns point."""
         self._texts += new

@@ -14,7 +14,7 @@ from numba import types
 from harness.compiler.calls import call_status, load_float64, load_int64, store_float64
 from harness.compiler.machine_code import cached_callback, compiled
 from harness.participants import context as x
-from harness.participants.context import failed, get
+from harness.participants.context import failed, get, mark
 
 _WARNING = 1
 _DISCARD = 2
@@ -27,6 +27,7 @@ def vector(c: int, function: int, address: int, n: int, what: int, time: float) 
     """Call a function of (instance, array, size), where the array has elements."""
     if n == 0:
         return 0
+    mark(c, what)
     status = call_status(get(c, function), (get(c, x.HANDLE), address, n))
     return failed(c, what, status, time) if status > _WARNING or status < 0 else 0
 
@@ -34,6 +35,7 @@ def vector(c: int, function: int, address: int, n: int, what: int, time: float) 
 @compiled
 def move(c: int, time: float, states: int) -> int:
     """Set time, states (array at an address) and continuous inputs."""
+    mark(c, x.AT_SET_TIME)
     status = call_status(get(c, x.SET_TIME), (get(c, x.HANDLE), time))
     if status > _WARNING or status < 0:
         return failed(c, x.AT_SET_TIME, status, time)
@@ -101,6 +103,7 @@ def _jacobian(t: float, y: int, fy: int, matrix: int, c: int, a: int, b: int, d:
     status = move(c, t, _data(y))
     rates, states, seed = get(c, x.RATE_REFERENCES), get(c, x.STATE_REFERENCES), get(c, x.SEED)
     function, handle = get(c, x.DIRECTIONAL), get(c, x.HANDLE)
+    mark(c, x.AT_DIRECTIONAL)
     for j in range(n):
         column, known = _data(matrix) + 8 * n * j, states + 4 * j
         if status == 0 and get(c, x.VERSION) == 3:

@@ -29,7 +29,7 @@ from harness.compiler.calls import (
 )
 from harness.compiler.machine_code import cached_callback, compiled
 from harness.participants import context as x
-from harness.participants.context import failed, get, put, put_real, real
+from harness.participants.context import failed, get, mark, put, put_real, real
 from harness.participants.events import ENDED, FULL, full, hook, plain, settle
 from harness.participants.model_exchange import explicit
 from harness.participants.model_exchange.equations import move, vector
@@ -142,6 +142,7 @@ def finish_step(c: int, target: float) -> int:
     asked = 0
     if get(c, x.COMPLETED) != 0:
         place = get(c, x.INFO) + 88
+        mark(c, x.AT_COMPLETED)
         store_int64(place, 0)
         if get(c, x.VERSION) == 1:
             status = call_status(get(c, x.COMPLETED), (get(c, x.HANDLE), place))
@@ -239,6 +240,7 @@ def advance(c: int, start: float, target: float) -> int:
         status = internal_step(c, target)
     if status == 0 and real(c, x.TIME) > target:
         status = between(c, target)
+    store_int64(get(c, x.FUNCTION), 0)
     if status == 0 or status >= op.ASKED:
         return status
     return x.FAULT
