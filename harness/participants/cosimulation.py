@@ -18,17 +18,15 @@ from harness.compiler import operations as op
 from harness.errors import EndRequestedError, FmuError, SimulationError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.fmi.binding.interface import CO_SIMULATION
-from harness.fmi.fmu import Fmu
 from harness.participants import context as x
 from harness.participants.clocks import has_input_clocks
 from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
-from harness.participants.fmu import Around
 from harness.participants.grid import is_close
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import Endpoint, FmuComponent
+from harness.system.graph import Endpoint
 
 _FAILED = 3
 _MOST_EVENTS_AT_ONCE = 1000
@@ -40,13 +38,8 @@ class CoSimulation(DrivenParticipant):
 
     kind = CO_SIMULATION
     steps = True
+    event_mode = False
     _stepper: Stepper | None = None
-
-    def __init__(self, component: FmuComponent, fmu: Fmu, around: Around) -> None:
-        """Instantiate; raises `FmuError`."""
-        super().__init__(component, fmu, around)
-        self._divides = component.policy.discarded_steps == "divide"
-        self._stepper = Stepper(self.instance, self.notes, self.seconds, self._divides)
 
     def instantiate(self) -> FmuInstance:
         """With event mode where the FMU has it; some claim one that they do not have."""
@@ -54,7 +47,7 @@ class CoSimulation(DrivenParticipant):
         if asked is False or not self.capabilities.has_event_mode:
             return self._without_events()
         try:
-            return self.made(event_mode=True, early_return=True)
+            instance = self.made(event_mode=True, early_return=True)
         except FmuError as refused:
             if asked:
                 raise
@@ -62,6 +55,8 @@ class CoSimulation(DrivenParticipant):
             without = f"co-simulation is done without event mode, since: {refused}"
             self.notes.append(without)
             return instance
+        self.event_mode = True
+        return instance
 
     def _without_events(self) -> FmuInstance:
         if self.description.fmi_major == 3 and has_input_clocks(self.description):
@@ -71,13 +66,16 @@ class CoSimulation(DrivenParticipant):
     @property
     def has_events(self) -> bool:
         """Whether the FMU is in event mode after its initialisation."""
-        return self.instance.event_mode
+        return self.event_mode
 
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU; from here on it is known what a step takes."""
         super().enter_initialization(start, stop)
         timed = self.inputs.continuous or self.inputs.held
-        self._direct = not (self.instance.event_mode or timed or self._divides)
+        divides = self.component.policy.discarded_steps == "divide"
+        self._direct = not (self.event_mode or timed or divides)
+        if not self._direct:
+            self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
         self._in_event, self._near, self._last = False, 0, float("nan")
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}
@@ -102,7 +100,7 @@ class CoSimulation(DrivenParticipant):
 
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
         """Set inputs: with event mode, discrete ones in an event, and only where they changed."""
-        if not self.instance.event_mode:
+        if not self.event_mode:
             yield from super().write(inputs)
             return
         d, slot = self.description, self.memory.slot
@@ -167,6 +165,8 @@ class CoSimulation(DrivenParticipant):
 
     def advance(self, start: float, target: float) -> None:
         """The same step outside the loop; raises `HarnessError`."""
+        if self._stepper is None:
+            self._stepper = Stepper(self.instance, self.notes, self.seconds, False)
         self._to(start, target)
 
     def _to(self, time: float, target: float) -> int:
@@ -184,7 +184,7 @@ class CoSimulation(DrivenParticipant):
         goal = target
         if self.capabilities.can_handle_variable_step:
             goal = min(target, self.hook.next_event(time))
-        if self.instance.event_mode:
+        if self.event_mode:
             self.inputs.apply_continuous(self.instance, time, after=True)
         else:
             self.inputs.apply(self.instance, time)
@@ -208,7 +208,7 @@ class CoSimulation(DrivenParticipant):
         """Rows and events at the end of a part; the row at the communication point is the
         loop's."""
         jump = self.inputs.next_event(time) == reached
-        event = self.instance.event_mode and (
+        event = self.event_mode and (
             outcome.event_needed or self.hook.next_event(time) <= reached
             or self.inputs.jumped(reached)
         )  # fmt: skip
