@@ -29,11 +29,11 @@ _LEAK = 2048  # bytes a cycle that count as a leak; less drowns in the allocator
 
 def runs(subject: Subject) -> Finding:
     """Instantiates, initialises, steps, terminates."""
-    with subject.running() as motion:
-        first = motion.watch()
-        rows = motion.advance()
-        if not motion.ended:
-            motion.instance.terminate()
+    with subject.running() as trial:
+        first = trial.watch()
+        rows = trial.advance()
+        if not trial.ended:
+            trial.instance.terminate()
     bad = not_finite(subject, first, rows)
     if bad.any():
         return failed(f"values are not finite: {names(subject, bad)}")
@@ -49,8 +49,8 @@ def instantiates_twice(subject: Subject) -> Finding:
     lie, half = "canBeInstantiatedOnlyOncePerProcess is false", subject.half
     alone = []
     for _ in range(2):
-        with subject.running("alone") as motion:
-            alone.append(np.concatenate([motion.advance(half), motion.advance(half, half)]))
+        with subject.running("alone") as trial:
+            alone.append(np.concatenate([trial.advance(half), trial.advance(half, half)]))
     with subject.running("first") as first, subject.running("second") as second:
         before = second.watch()
         parts = [(first.advance(half), second.watch(), second.advance(half))]
@@ -71,8 +71,8 @@ def repeats(subject: Subject) -> Finding:
     """Two runs, one after the other, agree bit for bit; their hash is for another process."""
     found = []
     for _ in range(2):
-        with subject.running() as motion:
-            found.append(motion.advance())
+        with subject.running() as trial:
+            found.append(trial.advance())
     digest = hashlib.sha256(found[0].tobytes()).hexdigest()
     what = first_difference(subject.labels, *found)
     if what:
@@ -84,14 +84,14 @@ def resets(subject: Subject) -> Finding:
     """After a reset the instance is a fresh one."""
     if subject.exchanges and subject.description.fmi_major == 1:
         return not_offered("FMI 1 has no reset in model exchange")
-    with subject.running() as motion:
-        expected = motion.advance()
+    with subject.running() as trial:
+        expected = trial.advance()
         try:
-            motion.instance.reset()
+            trial.instance.reset()
         except HarnessError as fault:
             return failed(str(fault))
-        motion.begin()
-        found = motion.advance()
+        trial.begin()
+        found = trial.advance()
     what = first_difference(subject.labels, expected, found)
     if what:
         return failed(f"something of the old run remains: {what}")
@@ -105,10 +105,10 @@ def takes_other_steps(subject: Subject) -> Finding:
         return not_offered(f"{flag} is false")
     sizes = {"half": (0.5, 2 * subject.steps), "double": (2.0, subject.half)}
     for word, (factor, steps) in sizes.items():
-        with subject.running() as motion:
-            first = motion.watch()
+        with subject.running() as trial:
+            first = trial.watch()
             try:
-                rows = motion.advance(steps, factor=factor)
+                rows = trial.advance(steps, factor=factor)
             except HarnessError as fault:
                 return failed(f"{word}: {fault}", flag)
         bad = not_finite(subject, first, rows)
@@ -130,13 +130,13 @@ def interpolates_inputs(subject: Subject) -> Finding:
     arrays = (ctypes.c_uint32 * n)(*references), (ctypes.c_int * n)(*n * [1])
     first, orders = (ctypes.cast(one, ctypes.c_void_p) for one in arrays)
     slopes = (ctypes.c_double * n)()
-    with subject.running() as motion:
+    with subject.running() as trial:
         try:
-            motion.instance.call(
+            trial.instance.call(
                 "SetRealInputDerivatives", first, ctypes.c_size_t(n), orders,
                 ctypes.cast(slopes, ctypes.c_void_p),
             )  # fmt: skip
-            motion.advance(1)
+            trial.advance(1)
         except HarnessError as fault:
             return failed(str(fault), flag)
     return passed(f"of {n} inputs")
@@ -147,10 +147,10 @@ def frees(subject: Subject) -> Finding:
 
     def cycle(count: int) -> None:
         for _ in range(count):
-            with subject.running() as motion:
-                motion.advance(1)
-                if not motion.ended:
-                    motion.instance.terminate()
+            with subject.running() as trial:
+                trial.advance(1)
+                if not trial.ended:
+                    trial.instance.terminate()
         gc.collect()
 
     cycle(_WARM_UP)

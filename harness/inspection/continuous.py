@@ -6,8 +6,7 @@ import numpy as np
 
 from harness.errors import HarnessError
 from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.motion import Solving
-from harness.inspection.subject import Array, Motion, Subject
+from harness.inspection.subject import Array, Subject
 
 _SHIFT = 1e-3  # of a state's nominal value
 
@@ -15,20 +14,18 @@ _SHIFT = 1e-3  # of a state's nominal value
 def returns_states(subject: Subject) -> Finding:
     """States that were set are read back to the last bit, at the start and later."""
     flag = "set and get of the continuous states"
-    with subject.running() as motion:
-        part = _part(motion).part
+    with subject.running() as trial:
+        part = trial.part
         if not part.nx:
             return not_offered("no continuous states")
         for steps in (0, subject.half):
-            motion.advance(steps)
-            if motion.ended:
+            trial.advance(steps)
+            if trial.ended:
                 break
             x = part.states()
             for wanted in (x, x + _SHIFT * part.nominals(), x):
                 try:
-                    motion.instance.check(
-                        part.set_states(wanted.ctypes.data), "SetContinuousStates"
-                    )
+                    trial.instance.check(part.set_states(wanted.ctypes.data), "SetContinuousStates")
                     found = part.states()
                 except HarnessError as fault:
                     return failed(str(fault), flag)
@@ -45,8 +42,8 @@ def _first(subject: Subject, wanted: Array, found: Array) -> str:
 
 def has_positive_nominals(subject: Subject) -> Finding:
     """Nominal values scale the solver's tolerances, so they must be positive and finite."""
-    with subject.running() as motion:
-        part = _part(motion).part
+    with subject.running() as trial:
+        part = trial.part
         if not part.nx:
             return not_offered("no continuous states")
         nominal = part.stated_nominals()
@@ -60,8 +57,8 @@ def has_positive_nominals(subject: Subject) -> Finding:
 
 def has_finite_indicators(subject: Subject) -> Finding:
     """Event indicators are numbers all along the run."""
-    with subject.running() as motion:
-        part = _part(motion).part
+    with subject.running() as trial:
+        part = trial.part
         if not part.nz:
             return not_offered("no event indicators")
         for step in range(subject.steps):
@@ -70,12 +67,7 @@ def has_finite_indicators(subject: Subject) -> Finding:
                 i = int(np.argmax(~np.isfinite(z)))
                 time = subject.start + step * subject.step
                 return failed(f"number {i + 1} is {z[i]} at t = {time:.9g} s", "event indicators")
-            motion.advance(1, first=step)
-            if motion.ended:
+            trial.advance(1, first=step)
+            if trial.ended:
                 break
     return passed(f"{part.nz}, all along the run")
-
-
-def _part(motion: Motion) -> Solving:
-    assert isinstance(motion, Solving)
-    return motion

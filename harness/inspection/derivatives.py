@@ -18,8 +18,7 @@ from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import Variable
 from harness.inspection.excitation import scale_of, within
 from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.motion import Solving
-from harness.inspection.subject import Array, Motion, Subject
+from harness.inspection.subject import Array, Subject, Trial
 
 _RELATIVE = 1e-4  # agreement of derivatives with finite differences
 _INCREMENTS = (1e-6, 1e-4, 1e-3)  # of a variable's scale
@@ -32,15 +31,15 @@ def feeds_through_as_declared(subject: Subject) -> Finding:
     if not subject.real_inputs or not subject.real_outputs:
         return not_offered("no real inputs or no real outputs")
     observed: set[tuple[str, str]] = set()
-    with subject.running() as motion:
+    with subject.running() as trial:
         before = 0
         for steps in _INSTANTS:
-            motion.advance(steps, first=before)
+            trial.advance(steps, first=before)
             before += steps
-            if motion.ended:
+            if trial.ended:
                 break
-            observed |= _jumps(subject, motion.instance)
-            motion.inputs.forget()
+            observed |= _jumps(subject, trial.instance)
+            trial.inputs.forget()
     declared = subject.description.feedthrough
     hidden = sorted(
         f"{output} on {name}"
@@ -97,23 +96,23 @@ def differentiates(subject: Subject) -> Finding:
     if not subject.capabilities.provides_directional_derivatives:
         return not_offered(f"{_FLAG} is false")
     unknowns = [*(rate for _, rate in subject.states), *subject.real_outputs]
-    with subject.running() as motion:
-        motion.advance(_INSTANTS[1])
-        if motion.ended:
+    with subject.running() as trial:
+        trial.advance(_INSTANTS[1])
+        if trial.ended:
             return not_offered("the FMU ends the simulation at once")
-        knowns = [*_inputs(subject, motion), *_states(subject, motion)]
+        knowns = [*_inputs(subject, trial), *_states(subject, trial)]
         if not unknowns or not knowns:
             return not_offered("nothing to differentiate: no scalar outputs, inputs or states")
         worst = _Worst()
         for known in knowns:
             try:
                 names = [v.name for v in unknowns]
-                exact = motion.instance.directional_derivative(names, known.variable.name)
+                exact = trial.instance.directional_derivative(names, known.variable.name)
             except HarnessError as fault:
                 return failed(str(fault), _FLAG)
             if not np.isfinite(exact).all():
                 return failed(f"the derivatives by {known.variable.name} are not finite", _FLAG)
-            found = _judged(subject, motion, unknowns, known, exact)
+            found = _judged(subject, trial, unknowns, known, exact)
             worst = max(worst, found, key=lambda one: one.excess)
     if worst.excess > 1.0:
         return failed(worst.words, _FLAG)
@@ -124,7 +123,7 @@ def differentiates(subject: Subject) -> Finding:
 
 
 def _judged(
-    subject: Subject, motion: Motion, unknowns: list[Variable], known: _Known, exact: Array
+    subject: Subject, trial: Trial, unknowns: list[Variable], known: _Known, exact: Array
 ) -> _Worst:
     name = known.variable.name
     for v, value in zip(unknowns, exact, strict=True):
@@ -133,14 +132,14 @@ def _judged(
             return _Worst(np.inf, f"d {v.name} / d {name} is {value:g}, though they are one")
     if known.move is None:
         return _Worst()
-    excess, numeric = _excess(subject, motion, unknowns, known, exact)
+    excess, numeric = _excess(subject, trial, unknowns, known, exact)
     i = int(excess.argmax())
     words = f"d {unknowns[i].name} / d {name} is {exact[i]:g}, its finite difference {numeric[i]:g}"
     return _Worst(float(excess[i]), words)
 
 
-def _inputs(subject: Subject, motion: Motion) -> Iterator[_Known]:
-    instance = motion.instance
+def _inputs(subject: Subject, trial: Trial) -> Iterator[_Known]:
+    instance = trial.instance
     for v in subject.real_inputs:
 
         def move(value: float, name: str = v.name) -> None:
@@ -150,25 +149,25 @@ def _inputs(subject: Subject, motion: Motion) -> Iterator[_Known]:
         yield _Known(v, max(scale_of(v), abs(centre)), centre, move)
 
 
-def _states(subject: Subject, motion: Motion) -> Iterator[_Known]:
-    if not isinstance(motion, Solving):
+def _states(subject: Subject, trial: Trial) -> Iterator[_Known]:
+    if not trial.solves:
         yield from (_Known(state, 1.0, 0.0, None) for state, _ in subject.states)
         return
-    part = motion.part
+    part = trial.part
     x, nominal = part.states(), part.nominals()
     for i, (state, _) in enumerate(subject.states):
 
         def move(value: float, i: int = i) -> None:
             moved = x.copy()
             moved[i] = value
-            motion.instance.check(part.set_states(moved.ctypes.data), "SetContinuousStates")
+            trial.instance.check(part.set_states(moved.ctypes.data), "SetContinuousStates")
 
         scale = max(float(nominal[i]), abs(float(x[i])))
         yield _Known(state, scale, float(x[i]), move)
 
 
 def _excess(
-    subject: Subject, motion: Motion, unknowns: list[Variable], known: _Known, exact: Array
+    subject: Subject, trial: Trial, unknowns: list[Variable], known: _Known, exact: Array
 ) -> tuple[Array, Array]:
     """How far each derivative is from its central difference, 1 where that is just allowed, and
     that difference."""
@@ -178,7 +177,7 @@ def _excess(
         rows = []
         for value in (known.centre + increment, known.centre - increment):
             known.move(value)
-            rows.append(np.array([motion.instance.get(v.name) for v in unknowns]))
+            rows.append(np.array([trial.instance.get(v.name) for v in unknowns]))
         known.move(known.centre)
         numeric = (rows[0] - rows[1]) / (2 * increment)
         rounding = 8 * np.finfo(float).eps * np.maximum(*np.abs(rows)) / increment

@@ -19,8 +19,8 @@ from harness.fmi.fmu import Fmu
 from harness.inspection.catalogue import CHECKS, ELSEWHERE
 from harness.inspection.finding import failed
 from harness.inspection.subject import Subject
-from harness.participants.settings import interface
 from harness.process.fork import die_with_parent
+from harness.system.policy import interface
 
 
 def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: list[str]) -> None:

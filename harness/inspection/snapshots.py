@@ -20,19 +20,19 @@ def restores(subject: Subject) -> Finding:
     """A snapshot brings everything back."""
     if not subject.capabilities.can_get_and_set_fmu_state:
         return not_offered(f"{_SNAPSHOT} is false")
-    with subject.running() as motion:
-        motion.advance(subject.half)
-        if motion.ended:
+    with subject.running() as trial:
+        trial.advance(subject.half)
+        if trial.ended:
             return not_offered(_TOO_SHORT)
-        instance = motion.instance
+        instance = trial.instance
         try:
-            state, memory = instance.get_state(), motion.memory()
-            expected = motion.advance(subject.half, first=subject.half)
+            state, memory = instance.get_state(), trial.memory()
+            expected = trial.advance(subject.half, first=subject.half)
             repeated = []
             for _ in range(2):
                 instance.set_state(state)
-                motion.recall(memory)
-                repeated.append(motion.advance(subject.half, first=subject.half))
+                trial.recall(memory)
+                repeated.append(trial.advance(subject.half, first=subject.half))
             instance.free_state(state)
         except HarnessError as fault:
             return failed(str(fault), _SNAPSHOT)
@@ -47,16 +47,16 @@ def serialises(subject: Subject) -> Finding:
     """The state as bytes goes on in another instance; it is left for another process."""
     if not subject.capabilities.can_serialize_fmu_state:
         return not_offered(f"{_SERIAL} is false")
-    with subject.running() as motion:
-        motion.advance(subject.half)
-        if motion.ended:
+    with subject.running() as trial:
+        trial.advance(subject.half)
+        if trial.ended:
             return not_offered(_TOO_SHORT)
         try:
-            content = motion.instance.serialized_state()
+            content = trial.instance.serialized_state()
         except HarnessError as fault:
             return failed(str(fault), _SERIAL)
-        memory = motion.memory()
-        expected = motion.advance(subject.half, first=subject.half)
+        memory = trial.memory()
+        expected = trial.advance(subject.half, first=subject.half)
     bytes_file, rows_file, memory_file = _files(subject)
     bytes_file.write_bytes(content)
     np.save(rows_file, expected)
@@ -75,11 +75,11 @@ def continues(subject: Subject) -> Finding:
 def _continues(subject: Subject, words: str) -> Finding:
     bytes_file, rows_file, memory_file = _files(subject)
     expected = np.load(rows_file)
-    with subject.running() as motion:
+    with subject.running() as trial:
         try:
-            motion.instance.restore_state(bytes_file.read_bytes())
-            motion.recall(json.loads(memory_file.read_text(encoding="utf-8")))
-            found = motion.advance(subject.half, first=subject.half)
+            trial.instance.restore_state(bytes_file.read_bytes())
+            trial.recall(json.loads(memory_file.read_text(encoding="utf-8")))
+            found = trial.advance(subject.half, first=subject.half)
         except HarnessError as fault:
             return failed(str(fault), _SERIAL)
     what = first_difference(subject.labels, expected, found)

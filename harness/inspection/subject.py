@@ -15,11 +15,17 @@ from harness.fmi.binding.instance import MODEL_EXCHANGE, InterfaceType, capabili
 from harness.fmi.description.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
 from harness.fmi.fmu import Fmu
 from harness.inspection.excitation import moving_inputs
-from harness.inspection.motion import Array, Motion, motion_of
+from harness.inspection.trial import Array, Trial
+from harness.participants import kinds as kinds
+from harness.participants.driven import DrivenParticipant
+from harness.participants.fmu import Around, FmuParticipant
+from harness.participants.grid import exact
 from harness.participants.settings import Request, settle
 from harness.participants.tracks import Inputs
+from harness.system.graph import FmuComponent
+from harness.system.policy import Policy
 
-__all__ = ["Array", "Motion", "Subject"]
+__all__ = ["Array", "Subject", "Trial"]
 
 FEWEST, MOST = 20, 100
 """Communication steps of a run of the examination."""
@@ -123,12 +129,25 @@ class Subject:
         return sum(d.variable(rate).size for _, rate in d.states)
 
     @contextmanager
-    def running(self, name: str = "subject") -> Iterator[Motion]:
-        """An instance after initialisation; freed on leaving."""
-        with self.fmu.instantiate(name, interface_type=self.interface_type) as instance:
-            motion = motion_of(self, instance)
-            motion.begin()
-            yield motion
+    def running(self, name: str = "subject") -> Iterator[Trial]:
+        """A participant after initialisation; closed on leaving."""
+        trial = self.trial(name)
+        try:
+            trial.begin()
+            yield trial
+        finally:
+            trial.participant.close()
+
+    def trial(self, name: str = "subject") -> Trial:
+        """A participant that is not initialised, with the settings of `simulate`."""
+        s, step = self.settings, exact(self.step)
+        policy = Policy(interface_type=self.interface_type, tolerance=s.relative_tolerance,
+                        largest_step=self.step if self.exchanges else None)  # fmt: skip
+        component = FmuComponent(name, self.fmu.path, step.numerator, {}, policy)
+        around = Around(ticks_per_second=step.denominator)
+        participant = FmuParticipant.of(component, self.fmu, around)
+        assert isinstance(participant, DrivenParticipant)
+        return Trial(self, participant)
 
 
 def _is_plain(v: Variable) -> bool:

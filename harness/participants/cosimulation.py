@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -168,6 +169,20 @@ class CoSimulation(DrivenParticipant):
         if self._stepper is None:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, False)
         self._to(start, target)
+
+    def give(self, values: Mapping[str, Any]) -> None:
+        """Set inputs at a communication point: discrete ones in an event, where there is one."""
+        variables = self.description.variables
+        discrete = any(variables[name].variability != "continuous" for name in values)
+        if self.event_mode and discrete:
+            self.instance.enter_event_mode()
+            self._in_event = True
+        super().give(values)
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from where the FMU and `memory` come from."""
+        super().recall(memory)
+        self._in_event = False
 
     def _to(self, time: float, target: float) -> int:
         self.hook.forget_ticks()

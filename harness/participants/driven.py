@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any
 
@@ -153,6 +154,27 @@ class DrivenParticipant(FmuParticipant):
     def seconds(self) -> float:
         """The communication step (s)."""
         return self.component.step_ns / (self.around.ticks_per_second or NANOSECONDS)
+
+    # outside of the loop
+
+    @abstractmethod
+    def advance(self, start: float, target: float) -> None:
+        """The step of the loop from `start` to `target` (s); raises `HarnessError`."""
+
+    def give(self, values: Mapping[str, Any]) -> None:
+        """Set inputs at a communication point."""
+        self.instance.set(values)
+
+    def remembered(self) -> dict[str, Any]:
+        """What the importer must remember with a snapshot of the FMU, as plain values."""
+        return {"next event": float(self.context.reals[x.EVENT_TIME]),
+                "ticks": self.clocks.memory()}  # fmt: skip
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from where the FMU and `memory` come from."""
+        self.clocks.recall(memory["ticks"])
+        self.context.reals[x.EVENT_TIME] = memory["next event"]
+        self.context.cells[x.IN_EVENT] = 0
 
     # what a step came to
 

@@ -133,6 +133,18 @@ class Inputs:
         instance.set({name: one})
         self._written[name] = values
 
+    def changed(self, time: float) -> dict[str, Any]:
+        """The inputs that are not yet as they should be at `time`, and will be held from then
+        on."""
+        found = {}
+        for track in (*self.continuous, *self.held):
+            name, values = track.variable.name, track.after(time)
+            if self._written.get(name) != values:
+                self._written[name] = values
+                scalar = not track.variable.dimensions and len(values) == 1
+                found[name] = values[0] if scalar else list(values)
+        return found
+
     def forget(self) -> None:
         """What was set is no longer known, as after a return to an earlier state."""
         self._written.clear()

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,7 @@ class ModelExchange(DrivenParticipant):
 
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU with events."""
+        self._close_solver()
         super().enter_initialization(start, stop)
         self.context.cells[x.INITIALISING] = 1
         self._advance, self._begin_write = entries()
@@ -158,9 +160,31 @@ class ModelExchange(DrivenParticipant):
 
     def close(self) -> None:
         """Give the solver back, too."""
+        self._close_solver()
+        super().close()
+
+    def _close_solver(self) -> None:
         if self._solver is not None:
             self._solver.close()
-        super().close()
+        self._solver = None
+
+    # outside of the loop
+
+    def give(self, values: Mapping[str, Any]) -> None:
+        """Set inputs in event mode, which the next step leaves."""
+        if values and self.instance.prefix != "fmi" and not self.context.cells[x.IN_EVENT]:
+            self.instance.enter_event_mode()
+        if values:
+            self.context.cells[x.IN_EVENT] = 1
+        super().give(values)
+
+    def begin_anew(self) -> None:
+        """Let the next step begin with the states of the FMU, and no memory of earlier steps."""
+        if self.context.cells[x.IN_EVENT] == 0:
+            self.context.cells[x.INITIALISING] = 1
+        if self.part.nx:
+            states = self.part.states()
+            ctypes.memmove(int(self.context.cells[x.X]), states.ctypes.data, states.nbytes)
 
     # what a step came to
 

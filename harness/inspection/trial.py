@@ -1,0 +1,112 @@
+"""A participant under examination, stepped outside of the loop: what is examined is what runs.
+
+Inputs are constant from one communication point to the next, as wires would give them. In model
+exchange the solver begins anew at each point, so that a run can be left and taken up anywhere and
+still gives the same bits. This module refuses to judge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from harness.compiler.operations import CLOCK_SIZE
+from harness.errors import EndRequestedError
+from harness.fmi.binding.continuous import ContinuousPart
+from harness.participants.driven import DrivenParticipant
+from harness.participants.memory import Memory
+from harness.participants.model_exchange import ModelExchange
+from harness.system.graph import Endpoint
+
+if TYPE_CHECKING:
+    from harness.inspection.subject import Subject
+
+Array = NDArray[np.float64]
+
+
+class Trial:
+    """One `participant` for a `subject`; `ended`: the FMU has asked to end the simulation."""
+
+    def __init__(self, subject: Subject, participant: DrivenParticipant) -> None:
+        """Nothing has been initialised."""
+        self.subject, self.participant = subject, participant
+        self.instance = participant.instance
+        self.inputs = subject.new_inputs()
+        self.ended = False
+
+    @property
+    def part(self) -> ContinuousPart:
+        """The continuous part, in model exchange."""
+        assert isinstance(self.participant, ModelExchange)
+        return self.participant.part
+
+    @property
+    def solves(self) -> bool:
+        """Whether it is solved here."""
+        return isinstance(self.participant, ModelExchange)
+
+    def begin(self) -> None:
+        """Initialise a fresh or reset instance, with the times and the tolerance of `simulate`."""
+        self.ended = False
+        self.inputs.forget()
+        start = self.subject.start
+        self.participant.enter_initialization(start, None)
+        clock = np.zeros(CLOCK_SIZE, dtype=np.int64)
+        self.participant.link(Memory(1, 8, clock, _nowhere, lambda end: "real"), {})
+        if isinstance(self.participant, ModelExchange):
+            self.participant.driven_by_wires = True
+        self.participant.leave_initialization(start)
+
+    def advance(self, steps: int | None = None, first: float = 0, factor: float = 1.0) -> Array:
+        """Give inputs and step; rows of what is watched after each step, shape (steps, n), fewer
+        where the FMU ends the simulation.
+
+        `steps` is the whole examination where None. The run is at step number `first`, and takes
+        steps of `factor` times the usual length.
+        """
+        wanted = self.subject.steps if steps is None else steps
+        rows: list[Array] = []
+        while len(rows) < wanted and not self.ended:
+            time, end = (self._time(first + factor * k) for k in (len(rows), len(rows) + 1))
+            self.step(time, end)
+            rows.append(self.watch())
+        return np.array(rows).reshape(len(rows), len(self.subject.labels))
+
+    def _time(self, number: float) -> float:
+        return self.subject.start + number * self.subject.step
+
+    def step(self, time: float, end: float) -> None:
+        """Give the inputs as they are at `time`, and go on to `end` (s); raises `HarnessError`."""
+        self.participant.give(self.inputs.changed(time))
+        if isinstance(self.participant, ModelExchange):
+            self.participant.begin_anew()
+        try:
+            self.participant.advance(time, end)
+        except EndRequestedError:
+            self.ended = True
+
+    def watch(self) -> Array:
+        """The watched variables, arrays element by element; in model exchange also the states and
+        their derivatives."""
+        get = self.instance.get
+        values = [np.ravel(get(v.name)).astype(float) for v in self.subject.watched]
+        if self.solves:
+            values += [self.part.states(), self.part.derivatives()]
+        return np.concatenate(values) if values else np.zeros(0)
+
+    def memory(self) -> dict[str, Any]:
+        """What the importer must remember with a snapshot of the FMU, as plain values."""
+        return self.participant.remembered()
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from where `memory` was taken; the FMU has returned there itself."""
+        self.ended = False
+        self.inputs.forget()
+        self.participant.recall(memory)
+
+
+def _nowhere(end: Endpoint, view: str) -> int:
+    raise KeyError(end)
