@@ -74,10 +74,10 @@ def simulate_command(
     isolate: Isolate = False,
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
+    from harness.cli.cross_check import find_cross_check, read_options
     from harness.fmi.fmu import Fmu
     from harness.fmi.start_values import parse_assignment
     from harness.participants.settings import Request
-    from harness.results.cross_check import find_cross_check, read_options
 
     given = Request(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,

@@ -6,10 +6,11 @@ to judge.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from harness.fmi.binding.instance import MODEL_EXCHANGE, InterfaceType, capabilities
 from harness.fmi.description.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
@@ -138,12 +139,12 @@ class Subject:
         finally:
             trial.participant.close()
 
-    def trial(self, name: str = "subject") -> Trial:
+    def trial(self, name: str = "subject", start_values: Mapping[str, Any] | None = None) -> Trial:
         """A participant that is not initialised, with the settings of `simulate`."""
         s, step = self.settings, exact(self.step)
         policy = Policy(interface_type=self.interface_type, tolerance=s.relative_tolerance,
                         largest_step=self.step if self.exchanges else None)  # fmt: skip
-        component = FmuComponent(name, self.fmu.path, step.numerator, {}, policy)
+        component = FmuComponent(name, self.fmu.path, step.numerator, start_values or {}, policy)
         around = Around(ticks_per_second=step.denominator)
         participant = FmuParticipant.of(component, self.fmu, around)
         assert isinstance(participant, DrivenParticipant)

@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 
 from harness import Bench, Fmu, simulate
-from harness.fmi.start_values import apply_start_values, judge_start_values
-from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
 from harness.instruments.source import PureSampler
 from harness.participants.track_data import read_inputs
@@ -185,13 +183,13 @@ def by_doctor(case: Case) -> Rows:
         subject.step = job.step_ns / SECOND
         if case.tolerance is not None:
             subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
-        with fmu.instantiate("fmu", interface_type=case.kind) as instance:  # type: ignore[arg-type]
-            given = judge_start_values(fmu.description, case.start_values, component="fmu")
-            apply_start_values(instance, given)
-            motion = motion_of(subject, instance)
-            motion.inputs = read_inputs(instance.description, _tracks(case), [])
-            motion.begin()
-            rows = motion.advance(job.steps)
+        trial = subject.trial("fmu", case.start_values)
+        trial.inputs = read_inputs(fmu.description, _tracks(case), [])
+        try:
+            trial.begin()
+            rows = trial.advance(job.steps)
+        finally:
+            trial.participant.close()
         found: Rows = {}
         for name in job.watched:
             size = next(v.size for v in subject.watched if v.name == name)
