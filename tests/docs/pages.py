@@ -32,15 +32,29 @@ class Block:
     text: str
 
 
-def blocks(page: str) -> list[Block]:
-    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    return [Block(*(part or "" for part in found)) for found in _BLOCK.findall(text)]
+NOT_YET = "**Not yet.**"
+"""What a section says that does not run so far; its test then expects to fail."""
 
 
-def follow(page: str, folder: Path) -> None:
-    """Do in `folder` what a page says."""
+def text(page: str, section: str = "") -> str:
+    """A page, or the section whose heading begins so."""
+    whole = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    if not section:
+        return whole
+    [found] = [part for part in whole.split("\n## ") if part.startswith(section)]
+    return found
+
+
+def blocks(page: str, section: str = "") -> list[Block]:
+    """The blocks of a page, or of a section of it."""
+    found = _BLOCK.findall(text(page, section))
+    return [Block(*(part or "" for part in one)) for one in found]
+
+
+def follow(page: str, folder: Path, section: str = "") -> None:
+    """Do in `folder` what a page, or a section of it, says."""
     printed = ""
-    for block in blocks(page):
+    for block in blocks(page, section):
         if block.verb == "file":
             path = folder / block.path
             assert not path.exists(), f"{page}: {block.path} is there already"
