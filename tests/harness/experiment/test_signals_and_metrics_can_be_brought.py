@@ -1,5 +1,5 @@
-"""A file names signals, imperfections and metrics of one's own as package.module:object; what is none
-is one sentence."""
+"""A file names signals, imperfections and metrics of one's own as package.module:object; what is
+none is one sentence."""
 
 from dataclasses import dataclass
 from pathlib import Path
