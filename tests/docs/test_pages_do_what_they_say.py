@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import ROOT, blocks, follow, install, repository
+from tests.docs.pages import ROOT, blocks, follow, install, repository, run
 from tests.every_way.models import needs_compiler
 
 IN_THE_REPOSITORY = ("controller", "plant", "signal", "metric", "algorithm", "fmi-function")
@@ -16,6 +16,9 @@ PAGES = (*IN_THE_REPOSITORY, "own-package")
 def test_in_this_repository(page: str, tmp_path: Path) -> None:
     install(repository(tmp_path))
     follow(f"how-to-add/{page}.md", tmp_path)
+    paths = {block.path for block in blocks(f"how-to-add/{page}.md")}
+    python = " ".join(sorted(path for path in paths if path.endswith(".py")))
+    run(f"ruff check {python} && ruff format --check {python}", tmp_path)
 
 
 @needs_compiler
