@@ -17,15 +17,7 @@ import numpy as np
 from fmus.linearization import WorkingPoint, equilibrium, linearize
 from fmus.plant import Plant
 
-PLANTS = (
-    "hybrid_actuator",
-    "disturbance_generator",
-    "electro_hydraulic_servo",
-    "single_machine_infinite_bus",
-    "two_mass_drive",
-    "oscillator_left",
-    "oscillator_right",
-)
+PLANTS = tuple(sorted(path.parent.name for path in Path(__file__).parent.glob("*/model.py")))
 
 _ROUNDING = 1e-9  # in 1/s: a smaller real part is the rounding of one that is zero
 

@@ -2,7 +2,8 @@
 
 Whatever package declares `fmu_harness.plants`, `fmu_harness.controllers`,
 `fmu_harness.algorithms` or `fmu_harness.experiments` plugs in; the harness imports none of them
-by itself, and has no list of its own.
+by itself, and has no list of its own. What a name in the form "package.module:object" means needs
+no entry point: `named` imports it.
 """
 
 from __future__ import annotations
@@ -130,6 +131,11 @@ def _load(group: str, name: str, what: str) -> Any:
         entry = known[name]
         own = is_sibling(entry.module)
         return getattr(import_sibling(entry.module), entry.attr) if own else entry.load()
+    return named(name, what)
+
+
+def named(name: str, what: str) -> Any:
+    """The object that "package.module:object" names, `what` in errors; raises `UsageError`."""
     module, _, attribute = name.partition(":")
     try:
         own = "." in module and is_sibling(module)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
 
+from harness import registry
 from harness.errors import UsageError
 from harness.experiment.schema import ExperimentSpec, MeasureSpec, MetricSpec
-from harness.results.metrics import after_events
-from harness.results.result import Array, Result
+from harness.results.metrics import FIGURES, after_events, rms
+from harness.results.result import Result
 from harness.results.step_response import segment_metrics, segments, tracking_metrics
 
 MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
@@ -75,25 +76,11 @@ def custom(result: Result, spec: MetricSpec) -> float | None:
         values = np.sqrt(values**2 + sum(other**2 for other in others))
     scale = 1.0
     if isinstance(spec.relative_to, str):
-        scale = _rms(result.numbers(spec.relative_to)[rows])
+        scale = rms(result.numbers(spec.relative_to)[rows])
     elif spec.relative_to is not None:
         scale = spec.relative_to
     if not scale:
         return None
-    figure = _KINDS[spec.kind](values) / scale
+    of = FIGURES.get(spec.kind) or registry.named(spec.kind, "metric")
+    figure = float(of(values)) / scale
     return figure if spec.above is None else float(not figure <= spec.above)
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values * values)))
-
-
-_KINDS: dict[str, Callable[[Array], float]] = {
-    "rms": _rms,
-    "mean": lambda values: float(np.mean(values)),
-    "mean_abs": lambda values: float(np.mean(np.abs(values))),
-    "max_abs": lambda values: float(np.max(np.abs(values))),
-    "std": lambda values: float(np.std(values)),
-    "final": lambda values: float(values[-1]),
-    "final_abs": lambda values: float(abs(values[-1])),
-}

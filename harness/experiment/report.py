@@ -37,17 +37,19 @@ SHOWN = {
 
 
 def metrics_table(experiment: Experiment, results: Results) -> Table:
-    """One row a variant; "–" where a figure does not exist, as for a loop that never settles."""
-    table = Table(
-        title="metrics of the last step of the reference", title_justify="left", box=box.SIMPLE_HEAD
-    )
+    """One row a variant; "–" where a figure does not exist, as for a loop that never settles.
+    Without a control loop to measure, the figures that the experiment defines itself."""
+    measured, own = experiment.spec.measure is not None, experiment.spec.metrics
+    title = "metrics of the last step of the reference" if measured else "metrics"
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     table.add_column("variant")
     units = _units(experiment, results)
-    for name, heading in SHOWN.items():
+    shown = SHOWN if measured else {name: name for name in own}
+    for name, heading in shown.items():
         unit = "" if name == "lost_loop" else units.get(name, "")
         table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)
     for variant, result in results.items():
-        cells = [show(name, result.metrics.get(name)) for name in SHOWN]
+        cells = [show(name, result.metrics.get(name)) for name in shown]
         table.add_row(experiment.label(variant), *cells)
     return table
 

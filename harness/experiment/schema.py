@@ -21,8 +21,9 @@ from pydantic import (
 )
 
 from harness import registry
-from harness.errors import UsageError
+from harness.errors import UsageError, nearest
 from harness.process.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
+from harness.results.metrics import FIGURES
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
@@ -133,12 +134,13 @@ class MeasureSpec(Strict):
 
 
 class MetricSpec(Strict):
-    """One figure of the rows between `from` and `to` (s): a `kind` of `signal`, or of its
+    """One figure of the rows between `from` and `to` (s): a `kind` of `FIGURES` in
+    `harness.results.metrics`, or "package.module:function" of your own, of `signal`, or of its
     difference to `minus`, or of the Euclidean norm of `signal` and the signals `norm_with`;
     `relative_to` divides it by a number, or by the RMS of a signal. With `above` it is a question:
     1 where the figure is not within that limit, else 0; as "lost_loop" it counts lost runs."""
 
-    kind: Literal["rms", "mean", "mean_abs", "max_abs", "std", "final", "final_abs"]
+    kind: str
     signal: str
     minus: str | None = None
     norm_with: tuple[str, ...] = ()
@@ -146,6 +148,16 @@ class MetricSpec(Strict):
     end: float | None = Field(default=None, alias="to")
     relative_to: float | str | None = None
     above: float | None = None
+
+    @field_validator("kind")
+    @classmethod
+    def _a_figure(cls, given: str) -> str:
+        if given not in FIGURES and ":" not in given:
+            raise ValueError(
+                f"no metric {given!r}; {nearest(given, FIGURES)} (or 'package.module:function' "
+                "for your own)"
+            )
+        return given
 
 
 class AxisSpec(Strict):

@@ -10,35 +10,49 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any
 
+from harness import registry
 from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
 from harness.instruments.source import SignalSource
 
-T = TypeVar("T")
 
-
-def build(what: str, registry: Mapping[str, type[T]], kind: str, given: Mapping[str, Any]) -> T:
-    """An instance of the class that `registry` holds for `kind`, its fields taken from `given`.
+def build(
+    what: str, form: Any, known: Mapping[str, type[Any]], kind: str, given: Mapping[str, Any]
+) -> Any:
+    """An instance of the class that `known` holds for `kind`, or of that which
+    "package.module:Class" names, its fields taken from `given`; it has the protocol `form`.
 
     `what` names the family in errors ("signal", "imperfection"). Lists become tuples.
     """
-    if not isinstance(kind, str) or kind not in registry:
-        raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), registry)}")
-    chosen = registry[kind]
-    fields = {one.name: one for one in dataclasses.fields(chosen)}  # type: ignore[arg-type]
+    own = isinstance(kind, str) and ":" in kind
+    if not own and (not isinstance(kind, str) or kind not in known):
+        raise ExperimentError(
+            f"unknown {what} kind {kind!r}: {nearest(str(kind), known)} "
+            "(or 'package.module:Class' for your own)"
+        )
+    chosen: Any = registry.named(kind, what) if own else known[kind]
+    if not (isinstance(chosen, type) and dataclasses.is_dataclass(chosen)):
+        raise ExperimentError(f"{what} {kind!r} must be a dataclass, got {chosen!r}")
+    fields = {one.name: one for one in dataclasses.fields(chosen)}
     for key in given:
         if key not in fields:
             raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, fields)}")
-    required = [name for name, one in fields.items() if one.default is dataclasses.MISSING]
+    required = [
+        name for name, one in fields.items()
+        if one.default is one.default_factory is dataclasses.MISSING
+    ]  # fmt: skip
     missing = [name for name in required if name not in given]
     if missing:
         raise ExperimentError(
             f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are "
             f"{', '.join(fields)}"
         )
-    return chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})
+    made = chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})
+    if not isinstance(made, form):
+        raise ExperimentError(f"{what} {kind!r} lacks what {form.__module__}.{form.__name__} asks")
+    return made
 
 
 def label(owner: object) -> str:

@@ -304,11 +304,12 @@ IMPERFECTIONS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}
 
 
 def make_imperfection(kind: str, parameters: Mapping[str, Any]) -> Imperfection:
-    """The imperfection of this kind; `signal` may be a table with `kind` beside its own keys.
+    """The imperfection of this kind, or of a class of your own, "package.module:Class"; `signal`
+    may be a table with `kind` beside its own keys.
 
     Raises `ExperimentError` naming an unknown kind or key with the nearest legal ones, a missing
     key, or a value out of its bounds.
     """
     given = with_signals(kind, parameters)
-    made: Imperfection = build("imperfection", IMPERFECTIONS, kind, given)
+    made: Imperfection = build("imperfection", Imperfection, IMPERFECTIONS, kind, given)
     return made

@@ -77,13 +77,14 @@ SIGNALS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}
 
 
 def make_signal(kind: str, parameters: Mapping[str, Any]) -> SignalSource:
-    """The signal of this kind; where a signal is made of others they stand in `signal` or
-    `signals` as tables with `kind` beside their own keys.
+    """The signal of this kind, or of a class of your own, "package.module:Class"; where a signal is
+    made of others they stand in `signal` or `signals` as tables with `kind` beside their own keys.
 
     Raises `ExperimentError` naming an unknown kind or key with the nearest legal ones, a missing
     key, or a value out of its bounds.
     """
-    made: SignalSource = build("signal", SIGNALS, kind, with_signals(kind, parameters))
+    given = with_signals(kind, parameters)
+    made: SignalSource = build("signal", SignalSource, SIGNALS, kind, given)
     return made
 
 

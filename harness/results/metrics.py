@@ -22,6 +22,7 @@ Where a reference has several steps, `segments` cuts it; see `harness.results.st
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,3 +176,20 @@ def lost_loop(
     at_end = np.sqrt(np.mean(error[end] ** 2)) > limit * np.sqrt(np.mean(reference[end] ** 2))
     diverged = np.max(np.abs(error)) > divergence * np.max(np.abs(reference))
     return bool(at_end or diverged)
+
+
+def rms(values: Array) -> float:
+    """√(mean v²), in the unit of the values."""
+    return float(np.sqrt(np.mean(values * values)))
+
+
+FIGURES: dict[str, Callable[[Array], float]] = {
+    "rms": rms,
+    "mean": lambda values: float(np.mean(values)),
+    "mean_abs": lambda values: float(np.mean(np.abs(values))),
+    "max_abs": lambda values: float(np.max(np.abs(values))),
+    "std": lambda values: float(np.std(values)),
+    "final": lambda values: float(values[-1]),
+    "final_abs": lambda values: float(abs(values[-1])),
+}
+"""The kinds of `[metrics]` in an experiment file: one number of the values of a window, (n,)."""
