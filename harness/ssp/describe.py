@@ -115,7 +115,7 @@ def start_value_binding(
         return ()
     parameters = tuple(_parameters(name, values, description, version))
     content = ParameterSet(version=version, name="start values", parameters=parameters)
-    return (ParameterBinding(values=content),)
+    return (ParameterBinding(inline=content),)
 
 
 def _parameters(

@@ -76,7 +76,7 @@ def bound_values(
         raise ExperimentError(
             f"{place}: parameters of type {given.type!r} cannot be read; {PARAMETER_SET_TYPE} can"
         )
-    content = given.values
+    content = given.inline
     if given.source is not None:
         content = _document(ParameterSet, given, scope, component, place)
     if content is None:
