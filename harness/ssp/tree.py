@@ -18,8 +18,7 @@ from warnings import warn
 
 from harness.errors import ExperimentError, nearest
 from harness.ssp import binding
-from harness.ssp.common import BaseUnit, UnitDefinition
-from harness.ssp.common import Enumeration as EnumerationDefinition
+from harness.ssp.binding import E
 from harness.ssp.document import (
     FMU_TYPE,
     SSD_TYPE,
@@ -31,11 +30,34 @@ from harness.ssp.document import (
     SystemStructure,
 )
 from harness.ssp.package import DEFAULT, Package, open_package, read_bytes
+from harness.ssp.parameters import Dictionary, ParameterSet
 from harness.system.units import Unit, parse_unit
 
 MAX_ELEMENTS = 100_000
 MAX_NESTING = 60
 TreePath = tuple[str, ...]
+
+
+class Definitions:
+    """The units and enumerations that a document defines, as the harness computes with them."""
+
+    def __init__(self, document: SystemStructure | ParameterSet | Dictionary) -> None:
+        self._units = {}
+        for one in document.units:
+            b = one.base
+            exponents = (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad)
+            self._units[one.name] = Unit(one.name, exponents, b.factor, b.offset)
+        self._enumerations = {
+            one.name: {item.name: item.value for item in one.items} for one in document.enumerations
+        }
+
+    def unit(self, name: str | None) -> Unit | None:
+        """The unit of that name, None where none is stated."""
+        return parse_unit(name, self._units) if name else None
+
+    def items(self, name: str | None) -> Mapping[str, int] | None:
+        """The items of the enumeration of that name, None where none is defined."""
+        return self._enumerations.get(name or "")
 
 
 @dataclass(frozen=True)
@@ -48,22 +70,18 @@ class Scope:
     where: str
 
     @cached_property
-    def units(self) -> dict[str, Unit]:
-        """The units that the document defines."""
-        return units_of(self.structure.units)
-
-    @cached_property
-    def enumerations(self) -> dict[str, dict[str, int]]:
-        """The enumerations that the document defines."""
-        return enumerations_of(self.structure.enumerations)
-
-    def unit(self, name: str | None) -> Unit | None:
-        """The unit of that name, None where none is stated."""
-        return parse_unit(name, self.units) if name else None
+    def definitions(self) -> Definitions:
+        """The units and enumerations that the document defines."""
+        return Definitions(self.structure)
 
     def resolve(self, uri: str, place: str) -> Path:
         """The file that a URI of this document names."""
         return self.package.resolve(uri, f"{self.where}: {place}", self.folder)
+
+    def document(self, kind: type[E], uri: str, place: str) -> E:
+        """The document at a URI of this one, which `place` names; raises `ExperimentError`."""
+        where = f"{self.where}: {place}"
+        return binding.read(kind, read_bytes(self.resolve(uri, place), where), f"{where}: {uri}")
 
 
 @dataclass(frozen=True)
@@ -102,20 +120,6 @@ class Tree:
     def fmu_at(self) -> Mapping[TreePath, FmuNode]:
         """The FMUs by place."""
         return {node.path: node for node in self.fmus}
-
-
-def units_of(definitions: tuple[UnitDefinition, ...]) -> dict[str, Unit]:
-    """Units by name, as the harness computes with them."""
-    return {one.name: Unit(one.name, *_base(one.base)) for one in definitions}
-
-
-def _base(b: BaseUnit) -> tuple[tuple[int, ...], float, float]:
-    return (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset
-
-
-def enumerations_of(definitions: tuple[EnumerationDefinition, ...]) -> dict[str, dict[str, int]]:
-    """The items of enumerations by name."""
-    return {one.name: {item.name: item.value for item in one.items} for one in definitions}
 
 
 def build_tree(package: Package, file: str, stack: ExitStack) -> Tree:
