@@ -8,18 +8,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from harness.ssp import common as ssc
 from harness.ssp.binding import Element, verbatim, wrapped
-from harness.ssp.common import (
-    Annotation,
-    Base,
-    DataType,
-    Dimension,
-    Entity,
-    Enumeration,
-    TopLevel,
-    Transformation,
-    UnitDefinition,
-)
 from harness.ssp.parameters import Dictionary, ParameterMapping, ParameterSet
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
@@ -36,17 +26,17 @@ SourceBase = Annotated[str, ("SSD", "component")]
 Implementation = Annotated[str, ("any", "ModelExchange", "CoSimulation", "ScheduledExecution")]
 
 
-class Connector(Entity, tags="ssd:Connector"):
+class Connector(ssc.Entity, tags="ssd:Connector"):
     """A port of a system or component."""
 
     name: str
     kind: Annotated[str, CONNECTOR_KINDS]
-    type: DataType | None = None
-    dimensions: tuple[Dimension, ...] = ()
+    type: ssc.DataType | None = None
+    dimensions: tuple[ssc.Dimension, ...] = ()
     geometry: tuple[str, ...] = verbatim("ssd:Clock", "ssd:ConnectorGeometry")
 
 
-class MappingReference(Base, tags="ssd:ParameterMapping"):
+class MappingReference(ssc.Base, tags="ssd:ParameterMapping"):
     """A parameter mapping, inline or by `source`."""
 
     type: str = MAPPING_TYPE
@@ -55,7 +45,7 @@ class MappingReference(Base, tags="ssd:ParameterMapping"):
     inline: ParameterMapping | None = None
 
 
-class ParameterBinding(Entity, tags="ssd:ParameterBinding"):
+class ParameterBinding(ssc.Entity, tags="ssd:ParameterBinding"):
     """A parameter set, inline or by `source`, given to an element."""
 
     type: str = PARAMETER_SET_TYPE
@@ -67,7 +57,7 @@ class ParameterBinding(Entity, tags="ssd:ParameterBinding"):
     metadata: tuple[str, ...] = verbatim("ssc:MetaData", "ssc:Signature")
 
 
-class ModelElement(Entity):
+class ModelElement(ssc.Entity):
     """What systems, components and dictionary references have in common."""
 
     name: str
@@ -95,7 +85,7 @@ class DictionaryReference(ModelElement, tags="ssd:SignalDictionaryReference"):
     dictionary: str
 
 
-class Connection(Entity, tags="ssd:Connection"):
+class Connection(ssc.Entity, tags="ssd:Connection"):
     """A wire between connectors of a system (no element) and of its elements."""
 
     start_element: str | None = None
@@ -105,11 +95,11 @@ class Connection(Entity, tags="ssd:Connection"):
     end_connector: str
     end_indices: tuple[str, ...] = ()
     suppress_unit_conversion: bool = False
-    transformation: Transformation | None = None
+    transformation: ssc.Transformation | None = None
     geometry: tuple[str, ...] = verbatim("ssd:ConnectionGeometry")
 
 
-class DictionaryDefinition(Base, tags="ssd:SignalDictionary"):
+class DictionaryDefinition(ssc.Base, tags="ssd:SignalDictionary"):
     """A signal dictionary, inline or by `source`."""
 
     name: str
@@ -132,14 +122,14 @@ class DefaultExperiment(Element, tags="ssd:DefaultExperiment"):
 
     start_time: float | None = None
     stop_time: float | None = None
-    annotations: tuple[Annotation, ...] = wrapped("Annotations")
+    annotations: tuple[ssc.Annotation, ...] = wrapped("Annotations")
 
 
-class SystemStructure(TopLevel, tags="ssd:SystemStructureDescription"):
+class SystemStructure(ssc.TopLevel, tags="ssd:SystemStructureDescription"):
     """An SSD document."""
 
     name: str
     system: SystemElement
-    enumerations: tuple[Enumeration, ...] = wrapped("Enumerations")
-    units: tuple[UnitDefinition, ...] = wrapped("Units")
+    enumerations: tuple[ssc.Enumeration, ...] = wrapped("Enumerations")
+    units: tuple[ssc.UnitDefinition, ...] = wrapped("Units")
     experiment: DefaultExperiment | None = None

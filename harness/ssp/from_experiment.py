@@ -22,16 +22,9 @@ from harness.experiment.experiment import Experiment
 from harness.experiment.schema import ExperimentSpec
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
+from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
 from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
-from harness.ssp.document import (
-    Component,
-    Connection,
-    DefaultExperiment,
-    ParameterBinding,
-    SystemElement,
-    SystemStructure,
-)
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name
@@ -90,7 +83,7 @@ def export_experiment(
     Raises `ExperimentError` with one line for each variant that cannot be exported.
     """
     resources, faults = Resources(), []
-    structures: dict[str, SystemStructure] = {}
+    structures: dict[str, ssd.SystemStructure] = {}
     for variant in variants:
         file = f"{safe_name(variant)}.ssd" if structures else DEFAULT
         try:
@@ -111,7 +104,7 @@ class _Exporter:
     resources: Resources
     block_fmu: BlockFmu
 
-    def structure(self, *, first: bool) -> SystemStructure:
+    def structure(self, *, first: bool) -> ssd.SystemStructure:
         spec = self.experiment.variant_spec(self.variant)
         system = self.experiment.bench(self.variant).system()
         sources = {c.name: self._source(c, system, spec) for c in system.components}
@@ -123,21 +116,21 @@ class _Exporter:
             self._component(c, sources[c.name], descriptions[c.name], spec, system, version, units)
             for c in system.components
         )
-        root = SystemElement(
+        root = ssd.SystemElement(
             name=self.variant,
             description=spec.title,
             elements=elements,
             connections=tuple(self._connection(c, spec, descriptions) for c in system.connections),
         )
         step = min(_period(c) for c in system.components)
-        return SystemStructure(
+        return ssd.SystemStructure(
             namespaces=(OSP_NAMESPACE,),
             version=version,
             name=self.variant,
             generation_tool="fmu-harness",
             system=root,
             units=units.definitions(),
-            experiment=DefaultExperiment(
+            experiment=ssd.DefaultExperiment(
                 start_time=spec.start_time,
                 stop_time=spec.stop_time,
                 annotations=(osp_step(to_seconds(step)),),
@@ -196,11 +189,11 @@ class _Exporter:
         system: graph.System,
         version: str,
         units: Units,
-    ) -> Component:
+    ) -> ssd.Component:
         used = {e.variable for w in system.connections for e in (w.source, w.target)
                 if e.component == c.name}  # fmt: skip
         given = spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
-        bindings: tuple[ParameterBinding, ...] = ()
+        bindings: tuple[ssd.ParameterBinding, ...] = ()
         if isinstance(c, graph.FmuComponent):
             bindings = start_value_binding(c.name, c.start_values, description, version)
             own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
@@ -214,7 +207,7 @@ class _Exporter:
             if isinstance(c, graph.BlockComponent):
                 self._say(f"{c.name} is an FMU there: what it computes arrives one communication "
                           f"step ({show(c.period_ns)}) later than in this loop")  # fmt: skip
-        return Component(
+        return ssd.Component(
             name=c.name,
             source=self.resources.add(f"{safe_name(c.name)}.fmu", source),
             implementation="CoSimulation",
@@ -228,7 +221,7 @@ class _Exporter:
         wire: graph.Connection,
         spec: ExperimentSpec,
         descriptions: Mapping[str, ModelDescription],
-    ) -> Connection:
+    ) -> ssd.Connection:
         given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
         own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
         if own:
@@ -241,7 +234,7 @@ class _Exporter:
                 "tool; for one that does none, state a factor and convert_units = false"
             )
         linear = LinearTransformation(factor=wire.factor, offset=wire.offset)
-        return Connection(
+        return ssd.Connection(
             start_element=wire.source.component,
             start_connector=wire.source.variable,
             end_element=wire.target.component,

@@ -10,15 +10,10 @@ from warnings import warn
 
 from harness.errors import ExperimentError
 from harness.ssp import binding
+from harness.ssp import document as ssd
 from harness.ssp.binding import E
 from harness.ssp.change import Change, Items, transformed
 from harness.ssp.common import REAL_KINDS, Transformation
-from harness.ssp.document import (
-    MAPPING_TYPE,
-    PARAMETER_SET_TYPE,
-    MappingReference,
-    ParameterBinding,
-)
 from harness.ssp.lexical import read_boolean, read_double, read_integer
 from harness.ssp.parameters import Parameter, ParameterMapping, ParameterSet
 from harness.ssp.ports import Port
@@ -67,13 +62,14 @@ class Value:
 
 
 def bound_values(
-    given: ParameterBinding, scope: Scope, component: str | None, place: str
+    given: ssd.ParameterBinding, scope: Scope, component: str | None, place: str
 ) -> Iterator[tuple[str, Value]]:
     """Names and values that a binding gives, after prefix and mapping; `component` is the URI of
     the FMU to which it is bound, if it is one."""
-    if given.type != PARAMETER_SET_TYPE:
+    if given.type != ssd.PARAMETER_SET_TYPE:
         raise ExperimentError(
-            f"{place}: parameters of type {given.type!r} cannot be read; {PARAMETER_SET_TYPE} can"
+            f"{place}: parameters of type {given.type!r} cannot be read; "
+            f"{ssd.PARAMETER_SET_TYPE} can"
         )
     content = given.inline
     if given.source is not None:
@@ -100,11 +96,11 @@ def bound_values(
 
 
 def _mapping(
-    given: MappingReference, scope: Scope, source: str | None, place: str
+    given: ssd.MappingReference, scope: Scope, source: str | None, place: str
 ) -> ParameterMapping:
-    if given.type != MAPPING_TYPE:
+    if given.type != ssd.MAPPING_TYPE:
         raise ExperimentError(
-            f"{place}: mappings of type {given.type!r} cannot be read; {MAPPING_TYPE} can"
+            f"{place}: mappings of type {given.type!r} cannot be read; {ssd.MAPPING_TYPE} can"
         )
     found = given.inline
     if given.source is not None:
@@ -116,7 +112,7 @@ def _mapping(
 
 def _document(
     kind: type[E],
-    given: ParameterBinding | MappingReference,
+    given: ssd.ParameterBinding | ssd.MappingReference,
     scope: Scope,
     component: str | None,
     place: str,

@@ -2,18 +2,8 @@
 
 from __future__ import annotations
 
+from harness.ssp import common as ssc
 from harness.ssp.binding import Element, wrapped
-from harness.ssp.common import (
-    KINDS,
-    DataType,
-    Dimension,
-    Entity,
-    Enumeration,
-    TopLevel,
-    Transformation,
-    Typed,
-    UnitDefinition,
-)
 
 
 class ValueItem(Element, tags="ssv:Value"):
@@ -22,7 +12,7 @@ class ValueItem(Element, tags="ssv:Value"):
     value: str
 
 
-class ParameterValue(Typed, tags=" ".join(f"ssv:{kind}" for kind in KINDS)):
+class ParameterValue(ssc.Typed, tags=" ".join(f"ssv:{kind}" for kind in ssc.KINDS)):
     """A value as it stands in the document; numbers are several, separated by blanks, in an array.
 
     `items` are the strings of an array.
@@ -32,49 +22,49 @@ class ParameterValue(Typed, tags=" ".join(f"ssv:{kind}" for kind in KINDS)):
     items: tuple[ValueItem, ...] = ()
 
 
-class Parameter(Entity, tags="ssv:Parameter"):
+class Parameter(ssc.Entity, tags="ssv:Parameter"):
     """A named value of a parameter set."""
 
     name: str
     value: ParameterValue
-    dimensions: tuple[Dimension, ...] = ()
+    dimensions: tuple[ssc.Dimension, ...] = ()
 
 
-class ParameterSet(TopLevel, tags="ssv:ParameterSet"):
+class ParameterSet(ssc.TopLevel, tags="ssv:ParameterSet"):
     """An SSV document, or one inside a binding."""
 
     name: str
     parameters: tuple[Parameter, ...] = wrapped("Parameters", always=True)
-    enumerations: tuple[Enumeration, ...] = wrapped("Enumerations")
-    units: tuple[UnitDefinition, ...] = wrapped("Units")
+    enumerations: tuple[ssc.Enumeration, ...] = wrapped("Enumerations")
+    units: tuple[ssc.UnitDefinition, ...] = wrapped("Units")
 
 
-class MappingEntry(Entity, tags="ssm:MappingEntry"):
+class MappingEntry(ssc.Entity, tags="ssm:MappingEntry"):
     """The parameter `source` of the set goes to `target`, transformed."""
 
     source: str
     target: str
     suppress_unit_conversion: bool = False
-    transformation: Transformation | None = None
+    transformation: ssc.Transformation | None = None
 
 
-class ParameterMapping(TopLevel, tags="ssm:ParameterMapping"):
+class ParameterMapping(ssc.TopLevel, tags="ssm:ParameterMapping"):
     """An SSM document, or one inside a binding."""
 
     entries: tuple[MappingEntry, ...] = ()
 
 
-class DictionaryEntry(Entity, tags="ssb:DictionaryEntry"):
+class DictionaryEntry(ssc.Entity, tags="ssb:DictionaryEntry"):
     """A named signal of a dictionary."""
 
     name: str
-    type: DataType
-    dimensions: tuple[Dimension, ...] = ()
+    type: ssc.DataType
+    dimensions: tuple[ssc.Dimension, ...] = ()
 
 
-class Dictionary(TopLevel, tags="ssb:SignalDictionary"):
+class Dictionary(ssc.TopLevel, tags="ssb:SignalDictionary"):
     """An SSB document, or one inside a system."""
 
     entries: tuple[DictionaryEntry, ...] = ()
-    enumerations: tuple[Enumeration, ...] = wrapped("Enumerations")
-    units: tuple[UnitDefinition, ...] = wrapped("Units")
+    enumerations: tuple[ssc.Enumeration, ...] = wrapped("Enumerations")
+    units: tuple[ssc.UnitDefinition, ...] = wrapped("Units")
