@@ -72,7 +72,7 @@ def open_experiment(
     signals run, as they do in other tools.
     """
     with open_package(path) as package, ExitStack() as stack:
-        describe = cache(_describe)
+        describe = cache(describe_fmu)
         names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
@@ -91,7 +91,8 @@ def open_experiment(
         yield Experiment.from_data(merge(base, settings or {}) | {"variants": whole}, package.path)
 
 
-def _describe(path: Path) -> ModelDescription:
+def describe_fmu(path: Path) -> ModelDescription:
+    """The description of an FMU; raises `FmuError`."""
     with Fmu(path) as fmu:
         return fmu.description
 
