@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -114,14 +115,8 @@ class Experiment:
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
         """The bench of a variant, with another `seed` if given."""
         spec = self.variant_spec(variant)
-        bench = Bench(
-            stop_time=spec.stop_time, step=spec.step, start_time=spec.start_time,
-            record_step=spec.record_step, record=spec.record, algorithm=spec.algorithm,
-            algebraic_loops=spec.algebraic_loops, coupling_tolerance=spec.coupling_tolerance,
-            max_iterations=spec.max_iterations,
-            seed=spec.seed if seed is None else seed, fmi_version=spec.fmi_version,
-            portable=spec.portable,
-        )  # fmt: skip
+        settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
+        bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
         try:
             self._fill(bench, spec)
         except HarnessError as fault:
@@ -143,11 +138,7 @@ class Experiment:
             else:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
         for target, wire in spec.connections.items():
-            bench.connect(
-                wire.source, target, delay=wire.delay, extrapolation=wire.extrapolation,
-                imperfections=wire.imperfections, factor=wire.factor, offset=wire.offset,
-                convert_units=wire.convert_units,
-            )  # fmt: skip
+            bench.connect(wire.source, target, **wire.model_dump(exclude={"source"}))
 
     def _with_paths(self, parameters: Table) -> Table:
         """CSV files are named relative to the experiment file."""
@@ -156,15 +147,14 @@ class Experiment:
         return parameters
 
     def _check_names(self) -> None:
-        study = self.spec.study
-        if study is not None and study.baseline not in self.variants:
-            hint = nearest(study.baseline, self.variants)
-            raise ExperimentError(f"{self.path}: study.baseline {study.baseline!r}: {hint}")
-        for name, plot in self.spec.plots.items():
-            for variant in plot.variants:
-                if variant not in self.variants:
-                    hint = nearest(variant, self.variants)
-                    raise ExperimentError(f"{self.path}: plots.{name}.variants {variant!r}: {hint}")
+        spec = self.spec
+        named = [] if spec.study is None else [("study.baseline", spec.study.baseline)]
+        for name, plot in spec.plots.items():
+            named += [(f"plots.{name}.variants", variant) for variant in plot.variants]
+        for key, variant in named:
+            if variant not in self.variants:
+                hint = nearest(variant, self.variants)
+                raise ExperimentError(f"{self.path}: {key} {variant!r}: {hint}")
 
     def run(
         self,
@@ -333,8 +323,8 @@ def merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Tab
 
 def _other(old: Table, new: Table) -> bool:
     """Whether both tables say what a component is, and differ in it."""
-    said = [
+    before, after = (
         {kind: table[kind] for kind in KINDS if isinstance(table.get(kind), str)}
         for table in (old, new)
-    ]
-    return bool(said[0]) and bool(said[1]) and said[0] != said[1]
+    )
+    return bool(before and after and before != after)
