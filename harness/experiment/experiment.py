@@ -110,10 +110,11 @@ class Experiment:
         if like not in self.spec.variants or depth >= _DEEPEST:
             hint = nearest(str(like), [name for name in self.variants if name != variant])
             raise ExperimentError(f"{self.path}: key variants.{variant}.like {like!r}: {hint}")
-        return merge(self._changes(like, depth + 1), changes, whole=False)
+        return merge(self._changes(like, depth + 1), changes, components=False)
 
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
-        """The bench of a variant, with another `seed` if given."""
+        """The bench of a variant, with another `seed` if given. Every parameter of a bench is a key
+        of the file, of the same name."""
         spec = self.variant_spec(variant)
         settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
         bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
@@ -308,14 +309,16 @@ def _read(path: Path, depth: int = 0) -> Table:
     return merge(_read(path.parent / base, depth + 1), data)
 
 
-def merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Table:
+def merge(base: Table, changes: Mapping[str, Any], *, components: bool = True) -> Table:
     """`base` with `changes`: tables are merged, everything else is replaced. A component that
-    becomes another one is replaced as a `whole`, so that no parameters of the old one remain."""
+    becomes another one is replaced, unless `components` are to be merged like other tables, so that
+    no parameters of the old one remain."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
         old = merged.get(key)
-        if isinstance(value, dict) and isinstance(old, dict) and not (whole and _other(old, value)):
-            merged[key] = merge(old, value, whole=whole)
+        tables = isinstance(value, dict) and isinstance(old, dict)
+        if tables and not (components and _other(old, value)):
+            merged[key] = merge(old, value, components=components)
         else:
             merged[key] = copy.deepcopy(value)
     return merged

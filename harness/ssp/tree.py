@@ -131,7 +131,9 @@ class _Builder:
     systems: list[SystemNode] = field(default_factory=list)
     fmus: list[FmuNode] = field(default_factory=list)
     packages: dict[Path, Package] = field(default_factory=dict)
-    around: list[object] = field(default_factory=list)  # documents and systems that are entered
+    entered: list[object] = field(
+        default_factory=list
+    )  # documents and systems that the current one is in
     count: int = 0
 
     def add_system(
@@ -194,16 +196,16 @@ class _Builder:
         key: object,
     ) -> None:
         """A system in the place of a component, with the connectors that only the latter states,
-        unless the system, known by `key`, is around it."""
-        if key in self.around:
+        unless it is in that system, known by `key`, itself."""
+        if key in self.entered:
             place = f"{scope.where}: component {'.'.join(path)}"
             raise ExperimentError(f"{place}: {one.source!r} would be a part of itself")
-        self.around.append(key)
+        self.entered.append(key)
         known = {c.name for c in system.connectors}
         more = tuple(c for c in one.connectors if c.name not in known)
         merged = replace(system, name=one.name, connectors=(*system.connectors, *more))
         self.add_system(path, merged, inner, tuple((b, scope) for b in one.bindings))
-        self.around.pop()
+        self.entered.pop()
 
     def _referred(self, one: ssd.Component, scope: Scope, place: str) -> Scope:
         """The document that a component names, of a package or beside its own."""
