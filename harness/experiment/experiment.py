@@ -315,7 +315,7 @@ def merge(base: Table, changes: Mapping[str, Any], *, components: bool = True) -
     no parameters of the old one remain."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
-        old = merged.get(key)
+        old: Any = merged.get(key)
         tables = isinstance(value, dict) and isinstance(old, dict)
         if tables and not (components and _other(old, value)):
             merged[key] = merge(old, value, components=components)
