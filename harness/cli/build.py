@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,31 +13,12 @@ import typer
 from harness import registry
 from harness.cli.limits import interruptible
 from harness.cli.notices import notices
-from harness.cli.terminal import console
+from harness.cli.terminal import say
 from harness.cli.values import settings
 from harness.errors import HarnessError, UsageError, nearest
 
 if TYPE_CHECKING:
     from harness.export.find import FoundBlock
-
-
-@dataclass(frozen=True)
-class Packaging:
-    """How the FMUs are made: with Python inside, or natively for some platforms."""
-
-    portable: bool
-    targets: tuple[str, ...]
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """Keyword arguments of whatever makes an FMU."""
-        return {"portable": self.portable, "targets": self.targets}
-
-    def folder(self, version: int) -> str:
-        """Where the FMUs of that FMI version go."""
-        if not self.portable:
-            return f"fmi{version}"
-        return "portable" if version == 2 else f"portable-fmi{version}"
 
 
 Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
@@ -88,29 +68,24 @@ def build_command(
     platforms = [one for given in targets or () for one in given.split(",") if one]
     if portable and platforms:
         raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
-    packaging = Packaging(portable, tuple(platforms))
+    packaging = {"portable": portable, "targets": tuple(platforms)}
     if experiment is not None and names:
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
         raise UsageError("--variant and --component belong to --experiment NAME")
+    kind = "portable-" if portable else ""
     with notices(), interruptible():
         if experiment is not None:
-            asked = _of_experiment(
-                experiment, variant, component or [], set_ or [], packaging, name
-            )
+            found = _of_experiment(experiment, variant, component or [], settings(set_ or []), name)
+            asked: Iterable[Built] = (_block(one, packaging, name) for one in found)
         else:
             wanted = names or registry.names(registry.PLANTS)
             _check_controller_options(wanted, sample_time, set_, name)
-            asked = (
-                _plant(one, packaging)
-                if _is_plant(one)
-                else _controller(one, sample_time, set_ or [], packaging, name)
-                for one in wanted
-            )
+            asked = (_named(one, sample_time, set_ or [], packaging, name) for one in wanted)
         for file_name, make in asked:
             for version in versions:
-                folder = output / packaging.folder(version)
-                _copy(make(version), folder / f"{file_name}.fmu")
+                folder = "portable" if portable and version == 2 else f"{kind}fmi{version}"
+                _copy(make(version), output / folder / f"{file_name}.fmu")
 
 
 def _copy(built: Path, target: Path) -> None:
@@ -120,7 +95,7 @@ def _copy(built: Path, target: Path) -> None:
     except OSError as fault:
         raise HarnessError(f"{target} cannot be written: {fault}") from fault
     size = target.stat().st_size / 1024
-    console().print(f"{target}  {size:.0f} KiB", markup=False, soft_wrap=True)
+    say(f"{target}  {size:.0f} KiB")
 
 
 def _is_plant(name: str) -> bool:
@@ -146,48 +121,44 @@ def _check_controller_options(
         raise UsageError(f"--name is for one controller, here are {len(controllers)}")
 
 
-def _plant(name: str, packaging: Packaging) -> Built:
-    from harness.export.plant import certified_plant_fmu
-
-    plant = registry.plant(name)
-    return plant.name, partial(certified_plant_fmu, name, **packaging.options)
-
-
-def _controller(
-    source: str, sample_time: float | None, set_: list[str], packaging: Packaging, name: str | None
+def _named(
+    source: str,
+    sample_time: float | None,
+    set_: list[str],
+    packaging: dict[str, Any],
+    name: str | None,
 ) -> Built:
+    """The plant or controller that is registered as `source`, or a "package.module:Class"."""
+    if _is_plant(source):
+        from harness.export.plant import certified_plant_fmu
+
+        return registry.plant(source).name, partial(certified_plant_fmu, source, **packaging)
     from harness.export.find import named_controller
 
-    return _built(named_controller(source, sample_time, settings(set_), name), packaging, name)
+    return _block(named_controller(source, sample_time, settings(set_), name), packaging, name)
 
 
 def _of_experiment(
     experiment: str,
     variant: str | None,
     components: list[str],
-    set_: list[str],
-    packaging: Packaging,
+    changed: dict[str, Any],
     name: str | None,
-) -> Iterator[Built]:
+) -> list[FoundBlock]:
     from harness.export.find import controllers_of
 
-    found = controllers_of(experiment, variant, components, settings(set_))
+    found = controllers_of(experiment, variant, components, changed)
     if name is not None and len(found) > 1:
         known = ", ".join(one.name for one in found)
         raise UsageError(f"--name is for one controller; choose a --component of {known}")
-    for one in found:
-        yield _built(one, packaging, name)
+    return found
 
 
-def _built(found: FoundBlock, packaging: Packaging, name: str | None) -> Built:
+def _block(found: FoundBlock, packaging: dict[str, Any], name: str | None) -> Built:
     from harness.export.controller import controller_fmu, identifier
 
     chosen = identifier(name or found.name)
-
-    def make(version: int) -> Path:
-        return controller_fmu(
-            found.block, chosen, found.sample_time, version,
-            phase=found.phase, description=found.description, **packaging.options,
-        )  # fmt: skip
-
-    return chosen, make
+    times: dict[str, Any] = {"phase": found.phase, "description": found.description}
+    return chosen, partial(
+        controller_fmu, found.block, chosen, found.sample_time, **times, **packaging
+    )

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from harness import registry
 
 if TYPE_CHECKING:
     from harness.experiment.experiment import Experiment
+
+ExperimentName = Annotated[
+    str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
+]
+Changes = Annotated[
+    list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
+]
 
 
 @contextmanager

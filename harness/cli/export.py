@@ -7,17 +7,15 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.experiments import opened_experiment
+from harness.cli.experiments import Changes, ExperimentName, opened_experiment
 from harness.cli.notices import notices
-from harness.cli.terminal import console
+from harness.cli.terminal import say
 from harness.cli.values import settings
 from harness.errors import UsageError
 
 
 def export_command(
-    experiment: Annotated[
-        str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
-    ],
+    experiment: ExperimentName,
     output: Annotated[Path, typer.Option("--output", "-o", help="The .ssp file to write")],
     variant: Annotated[
         list[str] | None, typer.Option(help="Export these variants only; repeatable")
@@ -25,9 +23,7 @@ def export_command(
     fmi: Annotated[
         int | None, typer.Option(help="FMI version of our FMUs, 2 or 3; as the file says if absent")
     ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
-    ] = None,
+    set_: Changes = None,
 ) -> None:
     """Write an experiment as an .ssp with its FMUs; every variant is a root description of it.
 
@@ -44,13 +40,9 @@ def export_command(
 
             rewrite_package(Path(experiment), output, variant or (), settings(pairs))
         else:
-            _export(experiment, output, variant, pairs)
-    console().print(f"written: {output}", markup=False, soft_wrap=True)
+            from harness.export.controller import controller_fmu
+            from harness.ssp.from_experiment import export_experiment
 
-
-def _export(name: str, output: Path, variant: list[str] | None, pairs: list[str]) -> None:
-    from harness.export.controller import controller_fmu
-    from harness.ssp.from_experiment import export_experiment
-
-    with opened_experiment(name, settings(pairs)) as experiment:
-        export_experiment(experiment, output, variant or experiment.variants, controller_fmu)
+            with opened_experiment(experiment, settings(pairs)) as loaded:
+                export_experiment(loaded, output, variant or loaded.variants, controller_fmu)
+    say(f"written: {output}")

@@ -11,12 +11,11 @@ from typing import Annotated, Any
 
 import typer
 from rich.cells import cell_len
-from rich.markup import escape
 from rich.table import Table
 
 from harness.cli.limits import Validate
 from harness.cli.notices import notices
-from harness.cli.terminal import console
+from harness.cli.terminal import console, properties
 from harness.fmi.description.model_description import (
     Capabilities,
     ModelDescription,
@@ -79,42 +78,46 @@ def _as_json(data: dict[str, Any]) -> str:
 
 
 def _identity(d: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> Table:
-    table = Table(title=d.name, title_justify="left", show_header=False, box=None, padding=(0, 2))
-    table.add_column(style="bold", no_wrap=True)
-    table.add_column()
-    table.add_row("description", d.description)
-    table.add_row("FMI version", d.fmi_version)
-    table.add_row("tool", d.generation_tool)
-    table.add_row("token", d.token)
-    table.add_row("sha256", sha256)
-    table.add_row("platforms", ", ".join(platforms) or "none")
     kinds = {
-        "co-simulation": d.co_simulation, "model exchange": d.model_exchange,
+        "co-simulation": d.co_simulation,
+        "model exchange": d.model_exchange,
         "scheduled execution": d.scheduled_execution,
-    }  # fmt: skip
-    for kind, capabilities in kinds.items():
-        stepping = kind == "co-simulation"
-        table.add_row(kind, "no" if capabilities is None else _capabilities(capabilities, stepping))
-    for one in d.layered_standards:
-        told = f"{one.name} {one.version}" + f" ({one.description})" * bool(one.description)
-        table.add_row("layered standard", escape(told))
+    }
     defaults = {"start": d.start_time, "stop": d.stop_time, "step": d.step_size}
     shown = ", ".join(f"{k} {v:g} s" for k, v in defaults.items() if v is not None)
-    table.add_row("default experiment", shown or "none")
-    table.add_row("states", _state_names(d))
     events = d.number_of_event_indicators or len(d.event_indicators)
+    rows = [
+        ("description", d.description),
+        ("FMI version", d.fmi_version),
+        ("tool", d.generation_tool),
+        ("token", d.token),
+        ("sha256", sha256),
+        ("platforms", ", ".join(platforms) or "none"),
+        *((kind, _capabilities(c, kind == "co-simulation")) for kind, c in kinds.items()),
+        *(
+            (
+                "layered standard",
+                f"{s.name} {s.version}" + f" ({s.description})" * bool(s.description),
+            )
+            for s in d.layered_standards
+        ),
+        ("default experiment", shown or "none"),
+        ("states", _state_names(d)),
+    ]
     if d.model_exchange is not None:
-        table.add_row("event indicators", str(events))
-    return table
+        rows.append(("event indicators", str(events)))
+    return properties(d.name, rows)
 
 
 def _state_names(d: ModelDescription) -> str:
     names = ", ".join(name for name, _ in d.states)
     unnamed = f"{d.number_of_continuous_states}, not named" * (d.number_of_continuous_states > 0)
-    return escape(names or unnamed or "none")
+    return names or unnamed or "none"
 
 
-def _capabilities(c: Capabilities, stepping: bool) -> str:
+def _capabilities(c: Capabilities | None, stepping: bool) -> str:
+    if c is None:
+        return "no"
     flags = {
         "get and set state": c.can_get_and_set_fmu_state,
         "serialise state": c.can_serialize_fmu_state,

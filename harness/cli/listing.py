@@ -6,10 +6,8 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
 from harness import registry
-from harness.cli.terminal import console
+from harness.cli.terminal import console, properties
 
 
 def list_command() -> None:
@@ -17,28 +15,16 @@ def list_command() -> None:
     from harness.instruments.imperfections import IMPERFECTIONS
     from harness.instruments.signals import SIGNALS
 
-    out = console()
-    plants = {name: registry.plant(name).description for name in registry.names(registry.PLANTS)}
-    out.print(_table("plants", plants))
-    controllers = {
-        name: _first_line(registry.controller(name))
-        for name in registry.names(registry.CONTROLLERS)
+    plants, controllers = registry.names(registry.PLANTS), registry.names(registry.CONTROLLERS)
+    tables = {
+        "plants": {name: registry.plant(name).description for name in plants},
+        "controllers": {name: _first_line(registry.controller(name)) for name in controllers},
+        "experiments": {name: _title(path) for name, path in registry.experiments().items()},
+        "signals": {name: _first_line(kind) for name, kind in SIGNALS.items()},
+        "imperfections of wires": {name: _first_line(k) for name, k in IMPERFECTIONS.items()},
     }
-    out.print(_table("controllers", controllers))
-    titles = {name: _title(path) for name, path in registry.experiments().items()}
-    out.print(_table("experiments", titles))
-    out.print(_table("signals", {name: _first_line(kind) for name, kind in SIGNALS.items()}))
-    kinds = {name: _first_line(kind) for name, kind in IMPERFECTIONS.items()}
-    out.print(_table("imperfections of wires", kinds))
-
-
-def _table(title: str, rows: dict[str, str]) -> Table:
-    table = Table(title=title, title_justify="left", show_header=False, box=None, padding=(0, 2))
-    table.add_column(style="bold", no_wrap=True)
-    table.add_column()
-    for name, text in rows.items():
-        table.add_row(name, text)
-    return table
+    for title, rows in tables.items():
+        console().print(properties(title, rows))
 
 
 def _first_line(thing: Any) -> str:

@@ -27,8 +27,11 @@ from harness.cli import (
     validate,
     verify,
 )
-from harness.cli.terminal import console
+from harness.cli.terminal import say
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
+
+MEANINGLESS = (UsageError, ExperimentError, GraphError, TimingError)
+"""The faults of a command that cannot be meant."""
 
 app = typer.Typer(
     name="fmu-harness",
@@ -69,20 +72,13 @@ def main(arguments: list[str] | None = None) -> None:
 
 def run_command_line(arguments: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    out = console(stderr=True)
     try:
         app(args=arguments)
     except SystemExit as done:  # how typer ends, also after a usage error of its own
         return done.code if isinstance(done.code, int) else int(done.code is not None)
-    except (UsageError, ExperimentError, GraphError, TimingError) as fault:
-        out.print(f"error: {fault}", markup=False, soft_wrap=True)
-        return 2
-    except HarnessError as fault:
-        out.print(f"error: {fault}", markup=False, soft_wrap=True)
-        return 1
-    except OSError as fault:  # of the system, as where the temporary folder is full
-        out.print(f"error: {fault}", markup=False, soft_wrap=True)
-        return 1
+    except (HarnessError, OSError) as fault:  # OSError: as where the temporary folder is full
+        say(f"error: {fault}", stderr=True)
+        return 2 if isinstance(fault, MEANINGLESS) else 1
     return 0
 
 

@@ -7,20 +7,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from harness.cli.terminal import console
+from harness.cli.terminal import say
 
 
 @contextmanager
 def notices() -> Iterator[None]:
     """While open, each warning is printed once as "note: …"."""
-    out = console(stderr=True)
     seen: set[str] = set()
 
     def show(message: Warning | str, *_: Any, **__: Any) -> None:
         text = str(message)
         if text not in seen:
             seen.add(text)
-            out.print(f"note: {text}", markup=False, soft_wrap=True)
+            say(f"note: {text}", stderr=True)
 
     with warnings.catch_warnings():
         warnings.simplefilter("default")

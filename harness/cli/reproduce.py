@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich import box
 
 from harness import registry
 from harness.cli.notices import notices
 from harness.cli.progress import bar
-from harness.cli.terminal import console
+from harness.cli.terminal import console, say, table
 from harness.errors import UsageError
 
 
@@ -26,9 +26,14 @@ def reproduce_command(
 ) -> None:
     """Run all experiments of papers and judge their claims."""
     from harness.experiment.parallel import Workers
-    from harness.experiment.reproduce import load_paper, reproduce, update_readme, write_page
+    from harness.experiment.reproduce import (
+        load_paper,
+        reproduce,
+        update_readme,
+        verdict_rows,
+        write_page,
+    )
 
-    out = console()
     known = registry.experiments()
     names = papers or sorted({name.partition("/")[0] for name in known})
     loaded = [load_paper(name, known) for name in names]
@@ -46,16 +51,11 @@ def reproduce_command(
                     ),
                 )  # fmt: skip
                 progress.update(task, description=paper.name, completed=1.0)
-            table = Table(title=paper.claims.paper, title_justify="left")
-            for heading in ("page", "claim", "paper", "ours", "verdict"):
-                table.add_column(heading)
-            for v in done.verdicts:
-                ours = "–" if v.ours is None else f"{v.ours} {v.claim.unit}"
-                cells = (v.claim.page, v.claim.claim, v.claim.said, ours, v.verdict)
-                table.add_row(*(cell.replace("[", r"\[") for cell in cells))
-            out.print(table)
+            headings, *rows = (row[:5] for row in verdict_rows(done))
+            title = paper.claims.paper
+            console().print(table(headings, rows, title=title, box=box.HEAVY_HEAD))
             written = [write_page(done, root / paper.name)]
             if update:
                 written.append(update_readme(done))
             for path in written:
-                out.print(f"written: {path}", markup=False, soft_wrap=True)
+                say(f"written: {path}")

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import Progress, TaskID
+from rich.progress import Progress
 
 from harness import registry
-from harness.cli.experiments import opened_experiment
+from harness.cli.experiments import Changes, ExperimentName, opened_experiment
 from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout
 from harness.cli.notices import notices
 from harness.cli.progress import bar
-from harness.cli.terminal import console
+from harness.cli.terminal import console, say
 from harness.cli.values import settings
 from harness.errors import HarnessError
 
@@ -27,12 +26,8 @@ if TYPE_CHECKING:
 
 
 def run_command(
-    experiment: Annotated[
-        str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
-    ],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
-    ] = None,
+    experiment: ExperimentName,
+    set_: Changes = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Run these variants only; repeatable")
     ] = None,
@@ -51,9 +46,8 @@ def run_command(
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
 
-    limits: dict[str, float | str | None]
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
-    limits |= {"isolate": True} if isolate else {}
+    limits |= {"isolate": isolate or None}
     changed = settings(set_ or [])
     changed |= limit_settings(changed, limits)
     with notices(), opened_experiment(experiment, changed) as loaded:
@@ -66,9 +60,8 @@ def run_command(
             record.write(folder)
             finish_run(record, folder, logging=fmi_logging)
             return
-        _title(loaded)
-        written = _study(loaded, folder, jobs) if study else _sweep(loaded, chosen, folder, jobs)
-        _name(written)
+        _announce(loaded)
+        _repeat(loaded, chosen, folder, jobs, study=study)
 
 
 def limit_settings(
@@ -83,10 +76,9 @@ def finish_run(
     record: RunRecord, folder: Path, *, logging: bool = False, resume: bool = False
 ) -> None:
     """Run what the folder lacks, and report on all of it."""
-    _title(record.experiment)
-    echo = _echo if logging else None
+    _announce(record.experiment)
     try:
-        _name(_run(record.experiment, record.variants, folder, echo, resume=resume))
+        _run(record, folder, echo=_echo if logging else None, resume=resume)
     except KeyboardInterrupt as fault:
         raise HarnessError(
             f"{fault or 'interrupted by Ctrl-C'}; the rows so far are in {folder}, and "
@@ -94,31 +86,18 @@ def finish_run(
         ) from None
 
 
-def _title(loaded: Experiment) -> None:
-    title = f"{loaded.name}: {loaded.spec.title}"
-    console().print(title, markup=False, soft_wrap=True, style="bold")
+def _announce(loaded: Experiment) -> None:
+    say(f"{loaded.name}: {loaded.spec.title}", style="bold")
 
 
-def _name(written: Iterable[Path]) -> None:
-    for path in written:
-        console().print(f"written: {path}", markup=False, soft_wrap=True)
-
-
-def _run(
-    loaded: Experiment,
-    variants: tuple[str, ...],
-    folder: Path,
-    echo: Echo | None,
-    *,
-    resume: bool = False,
-) -> Iterator[Path]:
+def _run(record: RunRecord, folder: Path, *, echo: Echo | None, resume: bool) -> None:
     from harness.experiment.report import metrics_table, signals_table, write_report
 
+    loaded = record.experiment
     results, faults = {}, {}
     with bar() as shown:
-        for name in variants:
-            task = shown.add_task(loaded.label(name), total=1.0)
-            moved = partial(_moved, shown, task)
+        for name in record.variants:
+            moved = _progress(shown, loaded.label(name))
             try:
                 results[name] = loaded.run(
                     name, folder / name, progress=moved, echo=echo, resume=resume
@@ -132,47 +111,43 @@ def _run(
         warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
     console().print(metrics_table(loaded, results) if judged else signals_table(loaded, results))
-    yield from write_report(loaded, results, folder)
+    for path in write_report(loaded, results, folder):
+        say(f"written: {path}")
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))
 
 
-def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
+def _repeat(
+    loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int, *, study: bool
+) -> None:
+    """The study of all variants, or the sweep of some."""
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
-    from harness.results.whole import check_free
-
-    check_free(folder, "study.csv")
-    with bar() as shown:
-        moved = partial(_moved, shown, shown.add_task("study", total=1.0))
-        with Workers(jobs, isolated=True) as workers:
-            found = run_study(loaded, workers=workers, progress=moved)
-    for table in study_tables(loaded, found):
-        console().print(table)
-    yield found.write(folder)
-
-
-def _sweep(
-    loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int
-) -> Iterator[Path]:
-    from harness.experiment.parallel import Workers
     from harness.experiment.sweep import run_sweep, write_sweep
     from harness.results.whole import check_free
 
-    check_free(folder, "regions.csv")
-    with bar() as shown:
-        moved = partial(_moved, shown, shown.add_task("sweep", total=1.0))
-        with Workers(jobs, isolated=True) as workers:
+    check_free(folder, "study.csv" if study else "regions.csv")
+    with bar() as shown, Workers(jobs, isolated=True) as workers:
+        moved = _progress(shown, "study" if study else "sweep")
+        if study:
+            found = run_study(loaded, workers=workers, progress=moved)
+        else:
             regions = run_sweep(loaded, variants, workers=workers, progress=moved)
-    for name, region in regions.items():
-        label = loaded.label(name)
-        console().print(f"{label}: {100 * region.share:.1f} % of the points inside", markup=False)
-    yield from write_sweep(loaded, regions, folder)
+    if study:
+        console().print(*study_tables(loaded, found), sep="\n")
+        written = [found.write(folder)]
+    else:
+        for name, region in regions.items():
+            say(f"{loaded.label(name)}: {100 * region.share:.1f} % of the points inside")
+        written = write_sweep(loaded, regions, folder)
+    for path in written:
+        say(f"written: {path}")
 
 
-def _moved(shown: Progress, task: TaskID, share: float) -> None:
-    shown.update(task, completed=share)
+def _progress(shown: Progress, name: str) -> Callable[[float], None]:
+    task = shown.add_task(name, total=1.0)
+    return lambda share: shown.update(task, completed=share)
 
 
 def _echo(component: str, message: object) -> None:
-    console(stderr=True).print(f"{component} {message}", markup=False, soft_wrap=True)
+    say(f"{component} {message}", stderr=True)

@@ -1,8 +1,14 @@
-"""The console of all commands: as wide as the terminal, wide enough for a table elsewhere."""
+"""What all commands print with: a console as wide as the terminal, wide enough for a table
+elsewhere, lines and tables in which no text is taken for markup."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+from rich.box import Box
 from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 _WIDTH_ELSEWHERE = 132
 
@@ -13,3 +19,34 @@ def console(*, stderr: bool = False) -> Console:
     if found.is_terminal:
         return found
     return Console(stderr=stderr, highlight=False, width=_WIDTH_ELSEWHERE)
+
+
+def say(text: object, *, stderr: bool = False, style: str | None = None) -> None:
+    """Print a line, which only the terminal wraps."""
+    console(stderr=stderr).print(str(text), markup=False, soft_wrap=True, style=style)
+
+
+def table(
+    headings: Sequence[str],
+    rows: Iterable[Sequence[str | Text]],
+    *,
+    title: str = "",
+    right: Collection[str] = (),
+    box: Box | None = None,
+) -> Table:
+    """Rows under headings; the columns `right` are justified to the right."""
+    made = Table(title=Text(title) if title else None, title_justify="left", box=box)
+    made.padding = (0, 2) if box is None else (0, 1)
+    for heading in headings:
+        made.add_column(heading, justify="right" if heading in right else "left")
+    for row in rows:
+        made.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
+    return made
+
+
+def properties(title: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) -> Table:
+    """Names in bold, each with what there is to say of it."""
+    pairs = rows.items() if isinstance(rows, Mapping) else rows
+    made = table(("", ""), ((Text(name, style="bold"), text) for name, text in pairs), title=title)
+    made.show_header, made.columns[0].no_wrap = False, True
+    return made

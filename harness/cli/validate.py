@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 from rich.text import Text
 
-from harness.cli.terminal import console
+from harness.cli.terminal import console, say, table
 from harness.errors import HarnessError
 
 _STYLES = {"error": "bold red", "warning": "yellow", "note": "dim"}
@@ -29,15 +28,13 @@ def validate_command(
         data = [problem.as_data() for problem in problems]
         typer.echo(json.dumps(data, indent=2, ensure_ascii=False))
     elif problems:
-        table = Table(box=None, padding=(0, 2))
-        for title in ("severity", "where", "what", "by"):
-            table.add_column(title)
-        for p in problems:
-            severity = Text(str(p.severity), style=_STYLES[str(p.severity)])
-            table.add_row(severity, Text(p.place), Text(p.text), Text(p.rule))
-        console().print(table)
+        rows = (
+            (Text(str(p.severity), style=_STYLES[str(p.severity)]), p.place, p.text, p.rule)
+            for p in problems
+        )
+        console().print(table(("severity", "where", "what", "by"), rows))
     else:
-        console().print(f"{fmu}: no problems found", markup=False, soft_wrap=True)
+        say(f"{fmu}: no problems found")
     errors = sum(p.severity is Severity.ERROR for p in problems)
     if errors:
         raise HarnessError(f"FMU {fmu}: {errors} error{'s' if errors > 1 else ''}")

@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
-from rich.text import Text
 
 from harness.cli.limits import (
     CallTimeout,
@@ -18,7 +16,7 @@ from harness.cli.limits import (
     limits_of,
 )
 from harness.cli.notices import notices
-from harness.cli.terminal import console
+from harness.cli.terminal import console, say, table
 from harness.errors import HarnessError
 
 _SHOWN = 12
@@ -36,28 +34,25 @@ def verify_command(
 
     with notices(), interruptible():
         found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
-    out, certificate = console(), found.certificate
-    out.print(
+    certificate = found.certificate
+    say(
         f"{certificate.model}: {certificate.rows} steps of {certificate.step:g} s against "
-        f"{certificate.reference}",
-        markup=False, soft_wrap=True,
-    )  # fmt: skip
-    table = Table(box=None, padding=(0, 2))
-    table.add_column("output")
-    for title in ("difference here", "where it was made", "allowed"):
-        table.add_column(title, justify="right")
+        f"{certificate.reference}"
+    )
     ranked = sorted(found.difference, key=lambda name: -found.difference[name])
+    rows = []
     for name in ranked[:_SHOWN]:
         row = (found.difference[name], certificate.difference.get(name), found.allowed[name])
-        table.add_row(Text(name), *("–" if value is None else f"{value:.3g}" for value in row))
-    out.print(table)
+        rows.append((name, *("–" if value is None else f"{value:.3g}" for value in row)))
+    headings = ("output", "difference here", "where it was made", "allowed")
+    console().print(table(headings, rows, right=headings[1:]))
     if len(ranked) > _SHOWN:
-        out.print(f"and {len(ranked) - _SHOWN} more outputs, none further off")
+        say(f"and {len(ranked) - _SHOWN} more outputs, none further off")
     made = ", ".join(f"{name} {version}" for name, version in certificate.made_with.items())
-    out.print(f"made with {made}", markup=False, soft_wrap=True)
+    say(f"made with {made}")
     if found.off:
         raise HarnessError(
             f"FMU {fmu} does not do here what it did where it was made: "
             f"{', '.join(found.off[:3])} differ by more than is allowed"
         )
-    out.print("agrees bit for bit" if found.exact else "agrees within the tolerance")
+    say("agrees bit for bit" if found.exact else "agrees within the tolerance")

@@ -15,14 +15,13 @@ from typing import Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
-from scipy import stats
 
 from harness.errors import ExperimentError, UsageError, nearest
 from harness.experiment.faults import describe
 from harness.experiment.schema import Strict
 from harness.experiment.study import LOST, Study
 from harness.experiment.sweep import Region
-from harness.results.intervals import share
+from harness.results.intervals import paired_difference, share
 
 HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
 UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
@@ -251,17 +250,15 @@ def _known(kind: str, name: str, known: Collection[str], place: Place) -> None:
         raise UsageError(f"{place.experiment}: no {kind} {name!r}; {nearest(name, known)}")
 
 
-def _summary(values: Sequence[float | None], confidence: float = 0.95) -> Figure:
-    numbers = np.array([v for v in values if v is not None and np.isfinite(v)])
+def _summary(values: Sequence[float | None]) -> Figure:
+    numbers = [v for v in values if v is not None and np.isfinite(v)]
     missing = len(values) - len(numbers)
-    if len(numbers) == 0:
-        return Figure(np.nan, np.nan, np.nan, 0 if len(values) == 1 else len(values), missing)
-    mean = float(np.mean(numbers))
-    if len(numbers) == 1:
-        return Figure(mean, mean, mean, len(values), missing)
-    error = float(np.std(numbers, ddof=1)) / np.sqrt(len(numbers))
-    half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(numbers) - 1)) * error
-    return Figure(mean, mean - half, mean + half, len(values), missing)
+    if len(numbers) < 2:
+        one = float(numbers[0]) if numbers else np.nan
+        runs = 0 if not numbers and len(values) == 1 else len(values)
+        return Figure(one, one, one, runs, missing)
+    mean = paired_difference(numbers, np.zeros(len(numbers)))
+    return Figure(mean.mean, mean.low, mean.high, len(values), missing)
 
 
 def _met(test: CriterionSpec, found: Figure) -> bool | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -109,19 +110,14 @@ class Experiment:
         if like not in self.spec.variants or depth >= _DEEPEST:
             hint = nearest(str(like), [name for name in self.variants if name != variant])
             raise ExperimentError(f"{self.path}: key variants.{variant}.like {like!r}: {hint}")
-        return merge(self._changes(like, depth + 1), changes, whole=False)
+        return merge(self._changes(like, depth + 1), changes, components=False)
 
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
-        """The bench of a variant, with another `seed` if given."""
+        """The bench of a variant, with another `seed` if given. Every parameter of a bench is a key
+        of the file, of the same name."""
         spec = self.variant_spec(variant)
-        bench = Bench(
-            stop_time=spec.stop_time, step=spec.step, start_time=spec.start_time,
-            record_step=spec.record_step, record=spec.record, algorithm=spec.algorithm,
-            algebraic_loops=spec.algebraic_loops, coupling_tolerance=spec.coupling_tolerance,
-            max_iterations=spec.max_iterations,
-            seed=spec.seed if seed is None else seed, fmi_version=spec.fmi_version,
-            portable=spec.portable,
-        )  # fmt: skip
+        settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
+        bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
         try:
             self._fill(bench, spec)
         except HarnessError as fault:
@@ -143,11 +139,7 @@ class Experiment:
             else:
                 bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
         for target, wire in spec.connections.items():
-            bench.connect(
-                wire.source, target, delay=wire.delay, extrapolation=wire.extrapolation,
-                imperfections=wire.imperfections, factor=wire.factor, offset=wire.offset,
-                convert_units=wire.convert_units,
-            )  # fmt: skip
+            bench.connect(wire.source, target, **wire.model_dump(exclude={"source"}))
 
     def _with_paths(self, parameters: Table) -> Table:
         """CSV files are named relative to the experiment file."""
@@ -156,15 +148,14 @@ class Experiment:
         return parameters
 
     def _check_names(self) -> None:
-        study = self.spec.study
-        if study is not None and study.baseline not in self.variants:
-            hint = nearest(study.baseline, self.variants)
-            raise ExperimentError(f"{self.path}: study.baseline {study.baseline!r}: {hint}")
-        for name, plot in self.spec.plots.items():
-            for variant in plot.variants:
-                if variant not in self.variants:
-                    hint = nearest(variant, self.variants)
-                    raise ExperimentError(f"{self.path}: plots.{name}.variants {variant!r}: {hint}")
+        spec = self.spec
+        named = [] if spec.study is None else [("study.baseline", spec.study.baseline)]
+        for name, plot in spec.plots.items():
+            named += [(f"plots.{name}.variants", variant) for variant in plot.variants]
+        for key, variant in named:
+            if variant not in self.variants:
+                hint = nearest(variant, self.variants)
+                raise ExperimentError(f"{self.path}: {key} {variant!r}: {hint}")
 
     def run(
         self,
@@ -318,14 +309,16 @@ def _read(path: Path, depth: int = 0) -> Table:
     return merge(_read(path.parent / base, depth + 1), data)
 
 
-def merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Table:
+def merge(base: Table, changes: Mapping[str, Any], *, components: bool = True) -> Table:
     """`base` with `changes`: tables are merged, everything else is replaced. A component that
-    becomes another one is replaced as a `whole`, so that no parameters of the old one remain."""
+    becomes another one is replaced, unless `components` are to be merged like other tables, so that
+    no parameters of the old one remain."""
     merged = copy.deepcopy(base)
     for key, value in changes.items():
-        old = merged.get(key)
-        if isinstance(value, dict) and isinstance(old, dict) and not (whole and _other(old, value)):
-            merged[key] = merge(old, value, whole=whole)
+        old: Any = merged.get(key)
+        tables = isinstance(value, dict) and isinstance(old, dict)
+        if tables and not (components and _other(old, value)):
+            merged[key] = merge(old, value, components=components)
         else:
             merged[key] = copy.deepcopy(value)
     return merged
@@ -333,8 +326,8 @@ def merge(base: Table, changes: Mapping[str, Any], *, whole: bool = True) -> Tab
 
 def _other(old: Table, new: Table) -> bool:
     """Whether both tables say what a component is, and differ in it."""
-    said = [
+    before, after = (
         {kind: table[kind] for kind in KINDS if isinstance(table.get(kind), str)}
         for table in (old, new)
-    ]
-    return bool(said[0]) and bool(said[1]) and said[0] != said[1]
+    )
+    return bool(before and after and before != after)

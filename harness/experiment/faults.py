@@ -3,34 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from harness.errors import nearest
 from harness.experiment import schema
-
-_TABLES: dict[str, type[BaseModel]] = {
-    "fmu": schema.FmuSpec,
-    "controller": schema.ControllerSpec,
-    "signal": schema.SignalSpec,
-    "sensitivity": schema.SensitivitySpec,
-    "connections": schema.ConnectionSpec,
-    "measure": schema.MeasureSpec,
-    "plots": schema.PlotSpec,
-    "metrics": schema.MetricSpec,
-    "sweep": schema.SweepSpec,
-    "x": schema.AxisSpec,
-    "y": schema.AxisSpec,
-    "study": schema.StudySpec,
-    "limits": schema.LimitsSpec,
-    "checkpoint": schema.CheckpointSpec,
-}
-
-_FAST: dict[type[BaseModel], type[BaseModel]] = {
-    schema.StudySpec: schema.FastStudySpec,
-    schema.SweepSpec: schema.FastSweepSpec,
-}
 
 
 def describe(where: str, fault: ValidationError) -> Iterator[str]:
@@ -62,9 +40,24 @@ def _reason(error: Any) -> str:
 
 
 def _legal_keys(location: tuple[Any, ...]) -> list[str]:
-    model: type[BaseModel] = schema.ExperimentSpec
+    """The keys of the table at `location`, which begins at the file."""
+    models: list[type[BaseModel]] = [schema.ExperimentSpec]
+    is_name = False  # whether the next part is a name that the user gave
     for part in location[:-1]:
-        if part == "fast":
-            model = _FAST.get(model, model)
-        model = _TABLES.get(str(part), model)
-    return [field.alias or name for name, field in model.model_fields.items()]
+        if not is_name:
+            fields = [(name, f) for model in models for name, f in model.model_fields.items()]
+            types = [f.annotation for name, f in fields if part in (name, f.alias)]
+            is_name = any(get_origin(one) is dict for one in types)
+            # pydantic's name of a kind of component is the key that says what it is
+            of_kind = [one for one in models if part in one.model_fields]
+            models = [model for one in types for model in _models(one)] or of_kind or models
+        else:
+            is_name = False
+    return [f.alias or name for model in models for name, f in model.model_fields.items()]
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """The tables of which a type is made."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for one in get_args(annotation) for model in _models(one)]

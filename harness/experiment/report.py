@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from rich import box
 from rich.table import Table
 
-from harness.errors import ExperimentError, RecordingError
+from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment
+from harness.experiment.repeated import writing
 from harness.experiment.schema import PlotSpec
 from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures
@@ -82,12 +83,9 @@ def show(name: str, value: float | None) -> str:
 
 def write_report(experiment: Experiment, results: Results, folder: Path) -> list[Path]:
     """Pictures and `metrics.csv` in `folder`; returns what was written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with writing(folder, f"the report cannot be written to {folder}"):
         written = save_figures(folder, figures(experiment, results))
         written.append(_write_metrics(experiment, results, folder / "metrics.csv"))
-    except OSError as fault:
-        raise RecordingError(f"the report cannot be written to {folder}: {fault}") from fault
     return written
 
 
@@ -104,8 +102,7 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
         drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
     elif not spec.plots:
         for name, result in results.items():  # a label would make a poor file name
-            text = f"{title}\n{experiment.label(name)}"
-            drawn[name] = result.plot(title=text)
+            drawn[name] = result.plot(title=f"{title}\n{experiment.label(name)}")
     for name, plot in spec.plots.items():
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results
@@ -136,16 +133,13 @@ def _membership(
             f"{experiment.path}: plots.{name}.membership: component {component!r} of variant "
             f"{variant!r} has no membership functions that change"
         )
-    prefix = f"{component}."
-    first, last = (
-        {
-            n.removeprefix(prefix): float(result.numbers(n)[row])
-            for n in result.numeric
-            if n.startswith(prefix)
-        }
+    own = [name for name in result.numeric if name.startswith(f"{component}.")]
+    before, after = (
+        controller.membership_curves(
+            {n.removeprefix(f"{component}."): float(result.numbers(n)[row]) for n in own}
+        )
         for row in (0, -1)
     )
-    before, after = controller.membership_curves(first), controller.membership_curves(last)
     title = plot.title or experiment.spec.title
     return {
         f"{name}_{axis}": membership_plot(before[axis], after[axis], title=f"{title}: {axis}")

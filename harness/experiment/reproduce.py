@@ -11,8 +11,9 @@ from harness.errors import ExperimentError, HarnessError, RecordingError, UsageE
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers, given_or_one
+from harness.experiment.repeated import writing
 from harness.experiment.report import write_report
-from harness.experiment.study import LOST, Study, median, run_study
+from harness.experiment.study import LOST, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
 from harness.results.result import Result
 from harness.results.whole import whole
@@ -138,20 +139,23 @@ def verdict_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
 
 def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
     """Rows (experiment, variant, seeds, medians, loops lost), the heading first; the metrics are
-    those that the studies name."""
+    those that the studies name. A cell is empty where an experiment has no such metric."""
     studies = {n: e.study for n, e in reproduction.evidence.items() if e.study is not None}
-    specs = [s.experiment.spec.study for s in studies.values()]
-    metrics = list(dict.fromkeys(m for spec in specs if spec is not None for m in spec.metrics))
+    metrics = list(dict.fromkeys(m for study in studies.values() for m in study.spec.metrics))
     heads = (f"median {m.replace('_', ' ')}" for m in metrics)
     yield "experiment", "variant", "seeds", *heads, "loop lost [95 %]"
     for name, study in studies.items():
+        known = {metric for runs in study.runs.values() for run in runs for metric in run}
         for variant in study.runs:
+            medians = (median(study.values(variant, m)) if m in known else "" for m in metrics)
+            s = study.lost(variant)
+            lost = f"{100 * s.share:.0f} % [{100 * s.low:.0f}, {100 * s.high:.0f}]"
             yield (
                 name,
                 study.experiment.label(variant),
                 str(len(study.seeds)),
-                *(_median_of(study, variant, metric) for metric in metrics),
-                _lost_of(study, variant),
+                *medians,
+                lost if LOST in known else "",
             )
 
 
@@ -165,23 +169,6 @@ def region_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
             yield name, label(variant), grid, f"{100 * region.share:.1f} %"
 
 
-def _median_of(study: Study, variant: str, metric: str) -> str:
-    """The median, or nothing where the experiment has no such metric."""
-    return median(study.values(variant, metric)) if _knows(study, metric) else ""
-
-
-def _lost_of(study: Study, variant: str) -> str:
-    """The share of lost loops, or nothing where the experiment controls none."""
-    if not _knows(study, LOST):
-        return ""
-    lost = study.lost(variant)
-    return f"{100 * lost.share:.0f} % [{100 * lost.low:.0f}, {100 * lost.high:.0f}]"
-
-
-def _knows(study: Study, metric: str) -> bool:
-    return any(metric in run for runs in study.runs.values() for run in runs)
-
-
 def markdown(rows: Iterable[tuple[str, ...]]) -> str:
     """Rows, the heading first, as a Markdown table."""
     heading, *others = (tuple(cell.replace("|", "\\|") for cell in row) for row in rows)
@@ -192,17 +179,15 @@ def markdown(rows: Iterable[tuple[str, ...]]) -> str:
 def update_readme(reproduction: Reproduction) -> Path:
     """Put the tables between the markers of the paper's README; raises `RecordingError`."""
     path = reproduction.paper.folder / "README.md"
-    try:
+    parts = {VERDICTS: verdict_rows, STUDIES: study_rows, REGIONS: region_rows}
+    with writing(path.parent, f"{path} cannot be updated"):
         text = path.read_text(encoding="utf-8")
-        text = _filled(path, text, VERDICTS, markdown(verdict_rows(reproduction)))
-        if any(e.study is not None for e in reproduction.evidence.values()):
-            text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
-        if any(e.regions for e in reproduction.evidence.values()):
-            text = _filled(path, text, REGIONS, markdown(region_rows(reproduction)))
+        for part, rows in parts.items():
+            table = list(rows(reproduction))
+            if part == VERDICTS or len(table) > 1:
+                text = _filled(path, text, part, markdown(table))
         with whole(path) as partial:
             partial.write_text(text, encoding="utf-8")
-    except OSError as fault:
-        raise RecordingError(f"{path} cannot be updated: {fault}") from fault
     return path
 
 
@@ -239,10 +224,9 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
     tables = _table(verdict_rows(reproduction)) + _table(study_rows(reproduction))
     figures = []
     for name, pictures in reproduction.pictures.items():
-        figures.append(f"<h2>{html.escape(name)}</h2>")
-        for picture in pictures:
-            source = html.escape(picture.relative_to(output).as_posix())
-            figures.append(f'<p><img src="{source}" alt="{source}"></p>')
+        sources = (html.escape(picture.relative_to(output).as_posix()) for picture in pictures)
+        figures += [f"<h2>{html.escape(name)}</h2>"]
+        figures += [f'<p><img src="{source}" alt="{source}"></p>' for source in sources]
     note = (
         '<p class="note">Fast subset: few seeds, coarse grids. It shows that all of it works and '
         "decides nothing; its verdicts are not those of the paper.</p>"
@@ -254,10 +238,6 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
         tables=tables,
         figures="\n".join(figures),
     )
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-        with whole(path) as partial:
-            partial.write_text(page, encoding="utf-8")
-    except OSError as fault:
-        raise RecordingError(f"{path} cannot be written: {fault}") from fault
+    with writing(output, f"{path} cannot be written"), whole(path) as partial:
+        partial.write_text(page, encoding="utf-8")
     return path

@@ -7,28 +7,23 @@ left out is reported, and so is the share of runs in which a variant loses the l
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from rich.table import Table
 
-from harness.errors import ExperimentError, HarnessError, RecordingError
-from harness.experiment.experiment import Experiment, PreparedVariant
-from harness.experiment.parallel import Workers, given_or_one
-from harness.process.watchdog import allow
+from harness.errors import ExperimentError, HarnessError
+from harness.experiment.experiment import Experiment
+from harness.experiment.parallel import Workers
+from harness.experiment.repeated import Metrics, Point, run_points, writing
+from harness.experiment.schema import StudySpec
 from harness.results.intervals import PairedDifference, Share, paired_difference, share
 from harness.results.whole import whole
 
-Metrics = Mapping[str, float | None]
-Task = tuple[str, tuple[int, ...]]
-"""A variant and some of its seeds."""
 LOST = "lost_loop"
-_CHUNKS = 4  # tasks of a variant that a worker gets, so that progress moves and the load evens out
 
 
 @dataclass(frozen=True)
@@ -39,23 +34,26 @@ class Study:
     seeds: tuple[int, ...]
     runs: Mapping[str, tuple[Metrics, ...]]
 
+    @property
+    def spec(self) -> StudySpec:
+        """The table `[study]`; raises `ExperimentError` where there is none."""
+        if self.experiment.spec.study is None:
+            raise ExperimentError(f"{self.experiment.path} has no table [study]")
+        return self.experiment.spec.study
+
     def values(self, variant: str, metric: str) -> list[float | None]:
         """A metric of one variant over the seeds."""
         return [metrics.get(metric) for metrics in self.runs[variant]]
 
     def difference(self, variant: str, metric: str) -> PairedDifference:
         """variant − baseline, paired by seed, at the study's confidence."""
-        spec = self.experiment.spec.study
-        assert spec is not None
-        first, second = self.values(variant, metric), self.values(spec.baseline, metric)
-        return paired_difference(first, second, confidence=spec.confidence)
+        first, second = (self.values(one, metric) for one in (variant, self.spec.baseline))
+        return paired_difference(first, second, confidence=self.spec.confidence)
 
     def lost(self, variant: str) -> Share:
         """The share of runs in which the variant loses the loop."""
-        spec = self.experiment.spec.study
-        assert spec is not None
         happened = [bool(metrics.get(LOST, not metrics)) for metrics in self.runs[variant]]
-        return share(happened, confidence=spec.confidence)
+        return share(happened, confidence=self.spec.confidence)
 
     def frame(self) -> pd.DataFrame:
         """One row a run: variant, seed and all metrics."""
@@ -70,12 +68,8 @@ class Study:
     def write(self, folder: Path) -> Path:
         """Write `study.csv` into `folder` and return its path."""
         path = folder / "study.csv"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with whole(path) as partial:
-                self.frame().to_csv(partial, index=False)
-        except OSError as fault:
-            raise RecordingError(f"{path} cannot be written: {fault}") from fault
+        with writing(folder, f"{path} cannot be written"), whole(path) as partial:
+            self.frame().to_csv(partial, index=False)
         return path
 
 
@@ -87,75 +81,24 @@ def run_study(
 ) -> Study:
     """Run all variants over the seeds of `[study]`, spread over `workers`.
 
-    None: one process of its own, as any run has; `Workers(1)` runs in this one. A run that kills
-    its process is run again under a supervisor, and counts as a lost loop if it does so again.
+    `workers` are as those of `run_points`; a run that ends early is a lost loop without metrics.
     """
-    spec = experiment.spec.study
-    if spec is None:
-        raise ExperimentError(f"{experiment.path} has no table [study]")
-    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
-    found: dict[tuple[str, int], Metrics] = {}
-    with given_or_one(workers) as crew:
-        tasks = _tasks(experiment, seeds, crew.count)
-        for (variant, some), metrics in crew.spread(
-            partial(_run_seeds, experiment), tasks, careful=partial(_run_apart, experiment)
-        ):
-            found |= {(variant, seed): one for seed, one in zip(some, metrics, strict=True)}
-            if progress is not None:
-                progress(len(found) / (len(seeds) * len(experiment.variants)))
-    runs = {v: tuple(found[v, seed] for seed in seeds) for v in experiment.variants}
-    return Study(experiment, seeds, runs)
+    study = Study(experiment, (), {})
+    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
+    rows = [[Point(f"seed {seed}", seed)] for seed in seeds]
+    found = run_points(
+        experiment, experiment.variants, rows, _or_lost, workers=workers, progress=progress
+    )
+    return replace(study, seeds=seeds, runs={v: tuple(runs) for v, runs in found.items()})
 
 
-def _tasks(experiment: Experiment, seeds: tuple[int, ...], workers: int) -> list[Task]:
-    """Some seeds of one variant to a task, so that they share what is prepared; the first task is
-    a single run."""
-    stride = min(len(seeds), workers * _CHUNKS)
-    (variant, some), *others = [
-        (variant, seeds[first::stride])
-        for first in range(stride)
-        for variant in experiment.variants
-    ]
-    parts = (some[:1], some[1:])
-    return [*((variant, part) for part in parts if part), *others]
-
-
-def _run_seeds(experiment: Experiment, task: Task) -> list[Metrics]:
-    variant, seeds = task
-    allow(experiment.variant_spec(variant).run_limits())
-    with experiment.prepare(variant) as prepared:
-        return [_metrics(prepared, seed) for seed in seeds]
-
-
-def _run_apart(experiment: Experiment, task: Task) -> list[Metrics]:
-    """Every run in a worker of its own: one that dies loses its own loop only."""
-    variant, seeds = task
-    return [_run_one(experiment, variant, seed) for seed in seeds]
-
-
-def _run_one(experiment: Experiment, variant: str, seed: int) -> Metrics:
-    try:
-        return dict(experiment.run(variant, seed=seed).metrics)
-    except HarnessError as fault:
-        if fault.result is None:
-            raise
-        warnings.warn(f"{experiment.label(variant)}, seed {seed}: {fault}", stacklevel=2)
-        return {LOST: 1.0}
-
-
-def _metrics(prepared: PreparedVariant, seed: int) -> Metrics:
-    try:
-        return dict(prepared.run(seed=seed).metrics)
-    except HarnessError as fault:
-        if fault.result is None:
-            raise
-        return {LOST: 1.0}  # a run that ends early is a lost loop without further metrics
+def _or_lost(metrics: Metrics | None) -> Metrics:
+    return {LOST: 1.0} if metrics is None else metrics
 
 
 def study_tables(experiment: Experiment, study: Study) -> list[Table]:
     """Means, paired differences to the baseline with intervals, and shares of lost loops."""
-    spec = experiment.spec.study
-    assert spec is not None
+    spec = study.spec
     percent = f"{100 * spec.confidence:g} %"
     means = Table(title=f"median over {len(study.seeds)} seeds", title_justify="left")
     title = f"difference to {experiment.label(spec.baseline)}, paired, {percent} interval"

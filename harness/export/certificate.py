@@ -14,15 +14,9 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from harness.errors import FmuError
 from harness.fmi.fmu import Fmu
-from harness.process.limits import Limits
-from harness.process.task import Teller, run_task
 
-Array = NDArray[np.float64]
 MEMBER = "extra/fmu-harness.parity/certificate.json"
 FORMAT = 1
 
@@ -82,69 +76,6 @@ def read_certificate(fmu: Fmu) -> Certificate:
             f"FMU {fmu.path} has no parity certificate; those that `fmu-harness build` writes do"
         )
     return Certificate.from_bytes(path.read_bytes(), fmu.path)
-
-
-def replay_apart(
-    path: Path,
-    step: float,
-    count: int,
-    inputs: Mapping[str, tuple[float, ...]],
-    outputs: tuple[str, ...],
-    limits: Limits | None = None,
-) -> Array:
-    """`replay` of the FMU at `path` in a worker process within `limits`; raises `SimulationError`
-    where it dies there, too."""
-
-    def work(teller: Teller) -> Array:
-        with Fmu(path) as fmu:
-            return replay(fmu, step, count, inputs, outputs, teller)
-
-    return run_task(work, limits=limits, file=path)
-
-
-def replay(
-    fmu: Fmu,
-    step: float,
-    count: int,
-    inputs: Mapping[str, tuple[float, ...]],
-    outputs: tuple[str, ...],
-    teller: Teller | None = None,
-) -> Array:
-    """Rows of `outputs` after each of `count` steps with a row of `inputs` (if any) held.
-
-    The shape is (count, outputs).
-
-    Raises `FmuError`, for a variable that the FMU does not have, too.
-    """
-    rows = []
-    teller = teller or Teller(print)
-    with fmu.instantiate("parity", echo=lambda message: teller.logged(message.text)) as instance:
-        instance.enter_initialization_mode(0.0, None, None)
-        instance.exit_initialization_mode()
-        for k in range(count):
-            teller.reached(k * step)
-            instance.set({name: column[k] for name, column in inputs.items()})
-            instance.do_step(k * step, step)
-            rows.append([float(instance.get(name)) for name in outputs])
-        instance.terminate()
-    return np.array(rows, dtype=float).reshape(count, len(outputs))
-
-
-def differences(found: Array, certificate: Certificate) -> dict[str, float]:
-    """The largest absolute difference of each output to the certificate's; equal bits give 0."""
-    answer = {}
-    for column, (name, values) in zip(found.T, certificate.outputs.items(), strict=True):
-        expected = np.array(values)
-        equal = (column == expected) | (np.isnan(column) & np.isnan(expected))
-        gap = np.where(equal, 0.0, np.abs(column - expected))
-        answer[name] = float(np.max(np.where(np.isnan(gap), np.inf, gap), initial=0.0))
-    return answer
-
-
-def allowed(certificate: Certificate) -> dict[str, float]:
-    """How far each output may be off: `tolerance` of the range that it runs through."""
-    spans = {n: float(np.ptp(np.nan_to_num(v))) for n, v in certificate.outputs.items()}
-    return {name: certificate.tolerance * span for name, span in spans.items()}
 
 
 def with_certificate(path: Path, target: Path, certificate: Certificate) -> None:

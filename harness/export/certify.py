@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from math import sin
 from pathlib import Path
@@ -16,7 +17,8 @@ from typing import Protocol
 import numpy as np
 
 from harness.errors import FmuError
-from harness.export.certificate import Array, Certificate, allowed, differences, replay_apart
+from harness.export.certificate import Certificate
+from harness.export.verify import Array, compare, replay
 from harness.fmi.binding.library import library_path
 from harness.fmi.fmu import Fmu
 from harness.system.block import Block
@@ -111,24 +113,20 @@ def _certified(
     if not _runs_here(path):
         return draft
     _run_with_nothing_set(path, step)
-    rows = replay_apart(path, step, draft.rows, inputs, tuple(outputs))
-    found = differences(rows, draft)
-    limits = allowed(draft)
-    worst = max(found, key=lambda name: found[name] - limits[name])
-    if found[worst] > limits[worst]:
+    found = compare(path, draft)
+    if found.off:
+        worst = found.off[0]
         raise FmuError(
-            f"FMU {path.name} differs from {reference} by {found[worst]:.3g} in output {worst!r} "
-            f"(at most {limits[worst]:.3g} is allowed), so it is not certified"
+            f"FMU {path.name} differs from {reference} by {found.difference[worst]:.3g} in output "
+            f"{worst!r} (at most {found.allowed[worst]:.3g} is allowed), so it is not certified"
         )
-    return Certificate(
-        path.stem, reference, step, inputs, outputs, found, tolerance, draft.made_with
-    )
+    return replace(draft, difference=found.difference)
 
 
 def _run_with_nothing_set(path: Path, step: float) -> None:
     """Raise `FmuError` where the FMU does not run from its own start values, as importers begin."""
     try:
-        replay_apart(path, step, TRIAL_STEPS, {}, ())
+        replay(path, step, TRIAL_STEPS, {}, ())
     except FmuError as fault:
         raise FmuError(
             f"FMU {path.name} does not run from its own start values: {fault}; give its inputs, "

@@ -13,8 +13,7 @@ import hashlib
 import inspect
 import re
 import sys
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 
 from harness import registry
@@ -50,15 +49,22 @@ def controller_fmu(
     """
     period_ns = to_period(sample_time, f"sample time of {name}")
     phase_ns = to_nanoseconds(phase, f"phase of {name}")
-    step, key = _portable_step(block) if portable else _native_step(block)
-    package = registry.packager("native")
+    if portable:
+        text = python_source(block)
+        key = f"python-{hashlib.sha256(text.encode()).hexdigest()}"
+    else:
+        key = native_key(block)
+
+    def step() -> str:
+        """The Python text of the step, or its LLVM module."""
+        return text if portable else native_step(block)
 
     def certificate(path: Path) -> dict[str, bytes]:
         made = block_certificate(path, block, sample_time)
         return {MEMBER.removeprefix("extra/"): made.as_bytes()}
 
     try:
-        path: Path = package(
+        path: Path = registry.packager("native")(
             step,
             step_key=key,
             name=identifier(name),
@@ -95,14 +101,3 @@ def _equations(block: Block) -> str:
     """What the module of the step says about it, "" where there is no such text."""
     module = sys.modules.get(getattr(block.step, "__module__", ""))
     return inspect.getdoc(module) or ""
-
-
-def _native_step(block: Block) -> tuple[Callable[[], str], str]:
-    """What makes the LLVM module of a step, and the key under which it can be kept."""
-    return partial(native_step, block), native_key(block)
-
-
-def _portable_step(block: Block) -> tuple[Callable[[], str], str]:
-    """The same for the Python text of a step."""
-    text = python_source(block)
-    return (lambda: text), f"python-{hashlib.sha256(text.encode()).hexdigest()}"

@@ -1,22 +1,36 @@
 """Dataclasses bound to XML elements: one declaration by which they are read and written.
 
-    @dataclass(frozen=True, kw_only=True)
-    class Unit(Element):
-        TAGS = ("ssc:Unit",)
-        name: str = attribute()
-        base: BaseUnit = child(BaseUnit)
+    class Unit(Element, tags="ssc:Unit"):
+        name: str
+        generation_tool: str | None = None
+        base: BaseUnit
+        annotations: tuple[Annotation, ...] = wrapped("Annotations")
 
-Fields stand in the order of the schema, which is the order in which children are written. What a
-declaration does not name (attributes and elements of other standards) is kept as it is. This
+A field is what its type says: numbers, texts and `Annotated[str, choices]` are attributes, by
+default of the field's name in camel case; elements and tuples of elements are children. Fields
+stand in the order of the schema, which is the order in which children are written. What a
+declaration does not name (attributes and elements of other standards) goes through unchanged. This
 module knows no element by name, and refuses values outside the XML schema's lexical forms.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, TypeVar
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field
+from functools import cache
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    TypeVar,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from lxml import etree
 
@@ -24,19 +38,47 @@ from harness.errors import ExperimentError, nearest
 from harness.ssp import markup
 from harness.ssp.lexical import FORMS
 
-_XML = "xml"
 _INDENT = "  "
 
 
-@dataclass(frozen=True, kw_only=True)
-class Element:
-    """An XML element; `tag` is the one of `TAGS` that it has (the first unless said otherwise).
+def attribute(name: str = "", *, default: Any = MISSING, always: bool = False) -> Any:
+    """An attribute of another `name` than the field's; one that has the default is not written,
+    unless it is to be `always`."""
+    return field(default=default, metadata={"name": name, "always": always})
+
+
+def wrapped(wrapper: str, *, default: Any = (), always: bool = False, last: bool = False) -> Any:
+    """Children inside an element `wrapper`, which has the prefix of the parent and is left out
+    without children unless it is to be there `always`; `last` are written after all others."""
+    return field(default=default, metadata={"wrapper": wrapper, "always": always, "last": last})
+
+
+def verbatim(*tags: str, last: bool = False) -> Any:
+    """Child elements that are not read but written back, in their place."""
+    return field(default=(), metadata={"verbatim": tags, "last": last})
+
+
+def text() -> Any:
+    """The text of the element before its first child, without white space around it."""
+    return field(default="", metadata={"text": True})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class _Bound:
+    TAGS: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, tags: str = "") -> None:
+        cls.TAGS = tuple(tags.split())
+        dataclass(frozen=True, kw_only=True)(cls)
+
+
+class Element(_Bound):
+    """An XML element; `tag` is the one of `tags` that it has (the first unless said otherwise).
 
     `more_attributes` and `more` are what the declaration does not name: pairs, and canonical XML.
     `namespaces` are the prefixes of others that the root element declares.
     """
 
-    TAGS: ClassVar[tuple[str, ...]] = ()
     tag: str = ""
     more_attributes: tuple[tuple[str, str], ...] = ()
     more: tuple[str, ...] = ()
@@ -47,74 +89,62 @@ class Element:
         if not self.tag:
             object.__setattr__(self, "tag", self.TAGS[0])
 
+    @classmethod
+    @cache
+    def _specs(cls) -> tuple[_Spec, ...]:
+        """The fields in the order in which they are written."""
+        hints = get_type_hints(cls, include_extras=True)
+        own = {f.name for f in dataclasses.fields(Element)}
+        found = [_spec(f, hints[f.name]) for f in dataclasses.fields(cls) if f.name not in own]
+        return tuple(sorted(found, key=lambda spec: bool(spec.options.get("last"))))
+
 
 E = TypeVar("E", bound=Element)
-Kinds = Callable[[], tuple[type[Element], ...]]
 
 
 @dataclass(frozen=True)
-class _Attribute:
-    name: str
-    form: str
-    choices: tuple[str, ...]
-    required: bool
+class _Spec:
+    """What a field is in XML: a child of `kinds` by tag, else an attribute in the form of `type`,
+    unless `options`, those of the functions above, say otherwise."""
+
+    field: str
     default: Any
-    always: bool
-
-
-@dataclass(frozen=True)
-class _Children:
-    kinds: Kinds
+    options: Mapping[str, Any]
+    kinds: Mapping[str, type[Element]]
     many: bool
-    wrapper: str
-    always: bool
+    type: type
+    choices: tuple[str, ...]
+
+    @property
+    def required(self) -> bool:
+        return self.default is MISSING
+
+    @property
+    def attribute(self) -> str:
+        first, *others = self.field.split("_")
+        return self.options.get("name") or first + "".join(map(str.capitalize, others))
+
+    def wrapper_in(self, parent: Any) -> str:
+        """The tag of the element around the children, "" for none."""
+        name = self.options.get("wrapper")
+        return f"{parent.tag.rpartition('}')[0]}}}{name}" if name else ""
 
 
-@dataclass(frozen=True)
-class _Kept:
-    tags: tuple[str, ...]
+def _spec(given: dataclasses.Field[Any], hint: Any) -> _Spec:
+    leaves = [leaf for leaf in _leaves(hint) if leaf not in (NoneType, ...)]
+    many = get_origin(hint) is tuple
+    elements = [one for one in leaves if isinstance(one, type) and issubclass(one, Element)]
+    kinds = {markup.clark(tag): one for one in elements for tag in one.TAGS}
+    choices = leaves[0].__metadata__[0] if get_origin(leaves[0]) is Annotated else ()
+    form = tuple if many else str if choices else leaves[0]
+    return _Spec(given.name, given.default, given.metadata, kinds, many, form, choices)
 
 
-@dataclass(frozen=True)
-class _Text:
-    pass
-
-
-def attribute(
-    name: str = "",
-    form: str = "string",
-    *,
-    choices: tuple[str, ...] = (),
-    default: Any = dataclasses.MISSING,
-    always: bool = False,
-) -> Any:
-    """An attribute of the field's name, or of `name`; `form` is one of `lexical.FORMS`. Required
-    without a `default`; one that has the default is not written, unless it is to be `always`."""
-    required = default is dataclasses.MISSING
-    spec = _Attribute(name, form, choices, required, None if required else default, always)
-    return field(default=default, metadata={_XML: spec})
-
-
-def child(*kinds: type[Element], wrapper: str = "", optional: bool = True) -> Any:
-    """At most one child element, inside an element `wrapper` if that is given."""
-    spec = _Children(lambda: kinds, False, wrapper, not optional)
-    return field(default=None if optional else dataclasses.MISSING, metadata={_XML: spec})
-
-
-def children(kinds: Kinds, *, wrapper: str = "", always: bool = False) -> Any:
-    """Any number of child elements; the `wrapper` is left out when there are none, unless it is
-    to be there `always`."""
-    return field(default=(), metadata={_XML: _Children(kinds, True, wrapper, always)})
-
-
-def as_it_is(*tags: str) -> Any:
-    """Child elements that are kept and not read, in their place."""
-    return field(default=(), metadata={_XML: _Kept(tags)})
-
-
-def text() -> Any:
-    """The text of the element before its first child, without white space around it."""
-    return field(default="", metadata={_XML: _Text()})
+def _leaves(hint: Any) -> list[Any]:
+    """The types of which a union or tuple is made."""
+    if get_origin(hint) in (Union, UnionType, tuple):
+        return [leaf for one in get_args(hint) for leaf in _leaves(one)]
+    return [hint]
 
 
 def read(kind: type[E], content: bytes, where: str) -> E:
@@ -125,26 +155,21 @@ def read(kind: type[E], content: bytes, where: str) -> E:
             f"{where}: the root element is {markup.shown(root.tag)}, not {kind.TAGS[0]} "
             f"(of the namespace {markup.NAMESPACES[kind.TAGS[0].partition(':')[0]]})"
         )
-    known = set(markup.NAMESPACES.values())
-    others = [(p, uri) for p, uri in sorted(root.nsmap.items(), key=str) if p and uri not in known]
-    others = [(p, uri) for p, uri in others if p not in markup.NAMESPACES]
+    known = {None, *markup.NAMESPACES, *markup.NAMESPACES.values()}
+    others = [one for one in sorted(root.nsmap.items(), key=str) if known.isdisjoint(one)]
     return dataclasses.replace(_from_xml(kind, root, where, 0), namespaces=tuple(others))
 
 
 def write(element: Element) -> bytes:
     """The bytes of a document; raises `ExperimentError` for text that XML cannot hold."""
-    used = {tag.partition(":")[0] for tag in _tags(element)}
-    nsmap = {p: uri for p, uri in markup.NAMESPACES.items() if p in used}
-    nsmap |= dict(element.namespaces)
+    nsmap = {**markup.NAMESPACES, **dict(element.namespaces)}
     try:
-        return markup.serialise(_to_xml(element, nsmap, 0))
+        root = etree.Element(markup.clark(element.tag), nsmap=nsmap)
+        _fill(root, element, 0)
     except ValueError as fault:
         raise ExperimentError(f"{element.tag} cannot be written as XML: {fault}") from fault
-
-
-def _specs(kind: Any) -> tuple[tuple[str, Any], ...]:
-    """Field names with their specs, in order."""
-    return tuple((f.name, f.metadata[_XML]) for f in dataclasses.fields(kind) if _XML in f.metadata)
+    content: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+    return content + b"\n"
 
 
 def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
@@ -152,121 +177,110 @@ def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
     if depth > markup.MAX_DEPTH:
         raise ExperimentError(f"{place}: elements are nested deeper than {markup.MAX_DEPTH}")
     attributes = dict(element.attrib)
-    left = [one for one in element if isinstance(one.tag, str)]
+    left = _elements(element)
     values: dict[str, Any] = {"tag": markup.shown(element.tag)}
-    for name, spec in _specs(kind):
-        if isinstance(spec, _Attribute):
-            given = attributes.pop(spec.name or name, None)
-            values[name] = _attribute_value(spec, spec.name or name, given, place, values["tag"])
-        elif isinstance(spec, _Text):
-            values[name] = (element.text or "").strip()
-        elif isinstance(spec, _Kept):
-            values[name] = tuple(markup.keep(one, place) for one in _take(left, spec.tags))
+    at = f"{place}: {values['tag']}"
+    for spec in kind._specs():
+        if "text" in spec.options:
+            value: Any = (element.text or "").strip()
+        elif "verbatim" in spec.options:
+            tags = {markup.clark(tag) for tag in spec.options["verbatim"]}
+            value = tuple(markup.canonical(one, place) for one in _take(left, tags))
+        elif spec.kinds:
+            value = _children(spec, element, left, where, depth + 1)
         else:
-            values[name] = _child_values(spec, left, where, place, values["tag"], depth)
+            value = _attribute(spec, attributes.pop(spec.attribute, None), at)
+        values[spec.field] = value
     values["more_attributes"] = tuple(attributes.items())
-    values["more"] = tuple(markup.keep(one, place) for one in left)
+    values["more"] = tuple(markup.canonical(one, place) for one in left)
     return kind(**values)
 
 
-def _attribute_value(spec: _Attribute, name: str, given: str | None, place: str, tag: str) -> Any:
+def _attribute(spec: _Spec, given: str | None, at: str) -> Any:
     if given is None:
         if spec.required:
-            raise ExperimentError(f"{place}: {tag} lacks its attribute {name!r}")
+            raise ExperimentError(f"{at} lacks its attribute {spec.attribute!r}")
         return spec.default
+    stated = f"{at}: {spec.attribute}={given!r} is"
     if spec.choices and given not in spec.choices:
-        raise ExperimentError(
-            f"{place}: {tag}: {name}={given!r} is not legal; {nearest(given, spec.choices)}"
-        )
+        raise ExperimentError(f"{stated} not legal; {nearest(given, spec.choices)}")
     try:
-        return FORMS[spec.form].read(given)
+        return FORMS[spec.type].read(given)
     except ValueError as fault:
-        raise ExperimentError(f"{place}: {tag}: {name}={given!r} is {fault}") from fault
+        raise ExperimentError(f"{stated} {fault}") from fault
 
 
-def _child_values(
-    spec: _Children, left: list[Any], where: str, place: str, tag: str, depth: int
-) -> Any:
-    if spec.wrapper:
-        wrappers = _take(left, (spec.wrapper,))
-        pool = [one for wrapper in wrappers for one in wrapper if isinstance(one.tag, str)]
-    else:
-        pool = left
-    by_tag = {markup.clark(t): kind for kind in spec.kinds() for t in kind.TAGS}
-    found = _take(pool, tuple(by_tag), clark=True)
-    if spec.wrapper and pool:
+def _children(spec: _Spec, parent: Any, left: list[Any], where: str, depth: int) -> Any:
+    pool, wrapper = left, spec.wrapper_in(parent)
+    if wrapper:
+        pool = [one for found in _take(left, {wrapper}) for one in _elements(found)]
+    found = _take(pool, set(spec.kinds))
+    if wrapper and pool:
         raise ExperimentError(
             f"{where} line {pool[0].sourceline}: {markup.shown(pool[0].tag)} may not stand in "
-            f"{spec.wrapper}"
+            f"{markup.shown(wrapper)}"
         )
-    made = tuple(_from_xml(by_tag[one.tag], one, where, depth + 1) for one in found)
+    made = tuple(_from_xml(spec.kinds[one.tag], one, where, depth) for one in found)
     if spec.many:
         return made
-    if len(made) > 1 or (spec.always and not made):
-        wanted = " or ".join(t for kind in spec.kinds() for t in kind.TAGS[:3])
-        count = "one" if spec.always else "at most one"
-        raise ExperimentError(f"{place}: {tag} must hold {count} {wanted}, not {len(made)}")
+    if len(made) > 1 or (spec.required and not made):
+        kinds = dict.fromkeys(spec.kinds.values())
+        wanted = " or ".join(tag for kind in kinds for tag in kind.TAGS[:3])
+        count = "one" if spec.required else "at most one"
+        raise ExperimentError(
+            f"{where} line {parent.sourceline}: {markup.shown(parent.tag)} must hold {count} "
+            f"{wanted}, not {len(made)}"
+        )
     return made[0] if made else None
 
 
-def _take(left: list[Any], tags: tuple[str, ...], *, clark: bool = False) -> list[Any]:
+def _elements(parent: Any) -> list[Any]:
+    """The children that are elements, not comments."""
+    return [one for one in parent if isinstance(one.tag, str)]
+
+
+def _take(left: list[Any], wanted: set[str]) -> list[Any]:
     """Remove the elements with these tags from `left` and return them."""
-    wanted = set(tags) if clark else {markup.clark(tag) for tag in tags}
     found = [one for one in left if one.tag in wanted]
     left[:] = [one for one in left if one.tag not in wanted]
     return found
 
 
-def _to_xml(element: Element, nsmap: Mapping[str, str], depth: int) -> Any:
-    made = etree.Element(markup.clark(element.tag), nsmap=dict(nsmap))
-    inner: list[Any] = []
-    for name, spec in _specs(type(element)):
-        value = getattr(element, name)
-        if isinstance(spec, _Attribute):
-            if spec.required or spec.always or value != spec.default:
-                made.set(spec.name or name, FORMS[spec.form].write(value))
-        elif isinstance(spec, _Text):
+def _fill(made: Any, element: Element, depth: int) -> None:
+    """Write the content of `element` into `made`."""
+    for spec in element._specs():
+        value = getattr(element, spec.field)
+        if "text" in spec.options:
             made.text = value or None
-        elif isinstance(spec, _Kept):
-            inner += [markup.kept(one) for one in value]
-        else:
-            inner += _child_elements(spec, value, nsmap, depth + 1)
+        elif "verbatim" in spec.options:
+            made.extend(map(markup.parsed, value))
+        elif spec.kinds:
+            _fill_children(made, spec, value if spec.many else [value] if value else [], depth)
+        elif spec.options.get("always") or value != spec.default:
+            made.set(spec.attribute, FORMS[spec.type].write(value))
     for key, given in element.more_attributes:
         made.set(key, given)
-    inner += [markup.kept(one) for one in element.more]
-    _append(made, inner, depth)
-    return made
+    made.extend(map(markup.parsed, element.more))
+    _break_lines(made, depth)
 
 
-def _child_elements(spec: _Children, value: Any, nsmap: Mapping[str, str], depth: int) -> list[Any]:
-    given = value if spec.many else [value] if value is not None else []
-    deeper = depth + bool(spec.wrapper)
-    elements = [_to_xml(one, nsmap, deeper) for one in given]
-    if not spec.wrapper or (not elements and not spec.always):
-        return elements
-    wrapper = etree.Element(markup.clark(spec.wrapper), nsmap=dict(nsmap))
-    _append(wrapper, elements, depth)
-    return [wrapper]
+def _fill_children(made: Any, spec: _Spec, elements: list[Element], depth: int) -> None:
+    parent, wrapper = made, spec.wrapper_in(made)
+    if wrapper and (elements or spec.options["always"]):
+        depth += 1
+        parent = etree.SubElement(made, wrapper)
+    for one in elements:
+        _fill(etree.SubElement(parent, markup.clark(one.tag)), one, depth + 1)
+    if parent is not made:
+        _break_lines(parent, depth)
 
 
-def _append(made: Any, inner: list[Any], depth: int) -> None:
-    """Put children into an element, each on a line of its own, without touching their content."""
+def _break_lines(made: Any, depth: int) -> None:
+    """Put each child on a line of its own, without touching what is in it."""
+    inner = list(made)
     if not inner:
         return
-    if not made.text:
-        made.text = "\n" + _INDENT * (depth + 1)
+    made.text = made.text or "\n" + _INDENT * (depth + 1)
     for one in inner:
         one.tail = "\n" + _INDENT * (depth + 1)
-        made.append(one)
     inner[-1].tail = "\n" + _INDENT * depth
-
-
-def _tags(element: Element) -> set[str]:
-    found = {element.tag}
-    for name, spec in _specs(type(element)):
-        if isinstance(spec, _Children):
-            value = getattr(element, name)
-            given = value if spec.many else [value] if value is not None else []
-            found |= {spec.wrapper} if spec.wrapper and (given or spec.always) else set()
-            found = found.union(*(_tags(one) for one in given))
-    return found

@@ -17,8 +17,9 @@ from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinit
 from harness.ssp.document import Connector, ParameterBinding
 from harness.ssp.lexical import write_boolean, write_double
 from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
+from harness.ssp.ports import unit_of
 from harness.system.graph import Endpoint
-from harness.system.units import Unit, conversion, parse_unit
+from harness.system.units import Unit, conversion
 
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -29,15 +30,12 @@ class Units:
     def __init__(self) -> None:
         self._known: dict[str, Unit] = {}
 
-    def name(self, name: str | None, defined: Mapping[str, Unit]) -> str | None:
+    def name(self, unit: Unit | None) -> str | None:
         """The name to state, None where nothing defines the unit; raises `ExperimentError`."""
-        unit = parse_unit(name, defined) if name else None
         if unit is None or unit.exponents is None:
             return None
         known = self._known.setdefault(unit.name, unit)
-        if (known.exponents, known.factor, known.offset) != (
-            unit.exponents, unit.factor, unit.offset,
-        ):  # fmt: skip
+        if known != unit:
             raise ExperimentError(f"two FMUs define the unit {unit.name!r} differently")
         return unit.name
 
@@ -56,13 +54,8 @@ def unit_change(
     source: Endpoint, target: Endpoint, descriptions: Mapping[str, ModelDescription]
 ) -> str:
     """Such as "N to kN" where a wire converts units, else ""; raises `UnitError`."""
-    found: list[Unit | None] = []
-    for end in (source, target):
-        described = descriptions[end.component]
-        variable = described.variables.get(end.variable)
-        name = variable.unit if variable else None
-        found.append(parse_unit(name, described.units) if name else None)
-    first, second = found
+    described = ((end, descriptions[end.component]) for end in (source, target))
+    first, second = (unit_of(d.variables.get(end.variable), d) for end, d in described)
     if first is None or second is None or conversion(first, second) == (1.0, 0.0):
         return ""
     return f"{first.name} to {second.name}"
@@ -94,7 +87,7 @@ def _type(v: Variable, d: ModelDescription, version: str, units: Units) -> DataT
     kind = _kind(v.type, version)
     if kind in ("Enumeration", "Binary") or kind not in KINDS:
         return None
-    unit = units.name(v.unit, d.units) if v.type in REAL_TYPES else None
+    unit = units.name(unit_of(v, d)) if v.type in REAL_TYPES else None
     return DataType(tag=f"ssc:{kind}", unit=unit)
 
 
@@ -115,7 +108,7 @@ def start_value_binding(
         return ()
     parameters = tuple(_parameters(name, values, description, version))
     content = ParameterSet(version=version, name="start values", parameters=parameters)
-    return (ParameterBinding(values=content),)
+    return (ParameterBinding(inline=content),)
 
 
 def _parameters(

@@ -1,28 +1,15 @@
 """A System Structure Description (SSD) as frozen dataclasses, in the order of its schema.
 
-Geometry, notes, meta data and signatures are kept as they are; the rest has a meaning here.
+Geometry, notes, meta data and signatures go through unread; the rest has a meaning here.
 Nothing is resolved, opened or judged beyond its form.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Annotated
 
-from harness.ssp.binding import Element, as_it_is, attribute, child, children
-from harness.ssp.common import (
-    VERSIONS,
-    Annotation,
-    Base,
-    DataType,
-    Dimension,
-    Enumeration,
-    LinearTransformation,
-    MappingTransformation,
-    TopLevel,
-    Transformation,
-    UnitDefinition,
-    metadata,
-)
+from harness.ssp import common as ssc
+from harness.ssp.binding import Element, verbatim, wrapped
 from harness.ssp.parameters import Dictionary, ParameterMapping, ParameterSet
 
 FMU_TYPE = "application/x-fmu-sharedlibrary"
@@ -31,162 +18,118 @@ SSP_TYPE = "application/x-ssp-package"
 PARAMETER_SET_TYPE = "application/x-ssp-parameter-set"
 MAPPING_TYPE = "application/x-ssp-parameter-mapping"
 DICTIONARY_TYPE = "application/x-ssp-signal-dictionary"
-_BASES = ("SSD", "component")
 CONNECTOR_KINDS = (
     "input", "output", "parameter", "calculatedParameter", "structuralParameter", "constant",
     "local", "inout", "unspecified",
 )  # fmt: skip
+SourceBase = Annotated[str, ("SSD", "component")]
+Implementation = Annotated[str, ("any", "ModelExchange", "CoSimulation", "ScheduledExecution")]
 
 
-def _annotations() -> tuple[Annotation, ...]:
-    made: tuple[Annotation, ...] = children(lambda: (Annotation,), wrapper="ssd:Annotations")
-    return made
-
-
-@dataclass(frozen=True, kw_only=True)
-class Connector(Base):
+class Connector(ssc.Entity, tags="ssd:Connector"):
     """A port of a system or component."""
 
-    TAGS = ("ssd:Connector",)
-    name: str = attribute()
-    kind: str = attribute(choices=CONNECTOR_KINDS)
-    type: DataType | None = child(DataType)
-    dimensions: tuple[Dimension, ...] = children(lambda: (Dimension,))
-    geometry: tuple[str, ...] = as_it_is("ssd:Clock", "ssd:ConnectorGeometry")
-    annotations: tuple[Annotation, ...] = _annotations()
+    name: str
+    kind: Annotated[str, CONNECTOR_KINDS]
+    type: ssc.DataType | None = None
+    dimensions: tuple[ssc.Dimension, ...] = ()
+    geometry: tuple[str, ...] = verbatim("ssd:Clock", "ssd:ConnectorGeometry")
 
 
-@dataclass(frozen=True, kw_only=True)
-class MappingReference(Base):
+class MappingReference(ssc.Base, tags="ssd:ParameterMapping"):
     """A parameter mapping, inline or by `source`."""
 
-    TAGS = ("ssd:ParameterMapping",)
-    type: str = attribute(default=MAPPING_TYPE)
-    source: str | None = attribute(default=None)
-    source_base: str = attribute("sourceBase", choices=_BASES, default="SSD")
-    inline: ParameterMapping | None = child(ParameterMapping)
+    type: str = MAPPING_TYPE
+    source: str | None = None
+    source_base: SourceBase = "SSD"
+    inline: ParameterMapping | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class ParameterBinding(Base):
+class ParameterBinding(ssc.Entity, tags="ssd:ParameterBinding"):
     """A parameter set, inline or by `source`, given to an element."""
 
-    TAGS = ("ssd:ParameterBinding",)
-    type: str = attribute(default=PARAMETER_SET_TYPE)
-    source: str | None = attribute(default=None)
-    source_base: str = attribute("sourceBase", choices=_BASES, default="SSD")
-    prefix: str = attribute(default="")
-    values: ParameterSet | None = child(ParameterSet, wrapper="ssd:ParameterValues")
-    mapping: MappingReference | None = child(MappingReference)
-    metadata: tuple[str, ...] = metadata()
-    annotations: tuple[Annotation, ...] = _annotations()
+    type: str = PARAMETER_SET_TYPE
+    source: str | None = None
+    source_base: SourceBase = "SSD"
+    prefix: str = ""
+    inline: ParameterSet | None = wrapped("ParameterValues", default=None)
+    mapping: MappingReference | None = None
+    metadata: tuple[str, ...] = verbatim("ssc:MetaData", "ssc:Signature")
 
 
-@dataclass(frozen=True, kw_only=True)
-class ModelElement(Base):
+class ModelElement(ssc.Entity):
     """What systems, components and dictionary references have in common."""
 
-    name: str = attribute()
-    connectors: tuple[Connector, ...] = children(lambda: (Connector,), wrapper="ssd:Connectors")
-    geometry: tuple[str, ...] = as_it_is("ssd:ElementGeometry")
-    bindings: tuple[ParameterBinding, ...] = children(
-        lambda: (ParameterBinding,), wrapper="ssd:ParameterBindings"
-    )
-    metadata: tuple[str, ...] = metadata()
+    name: str
+    connectors: tuple[Connector, ...] = wrapped("Connectors")
+    geometry: tuple[str, ...] = verbatim("ssd:ElementGeometry")
+    bindings: tuple[ParameterBinding, ...] = wrapped("ParameterBindings")
+    metadata: tuple[str, ...] = verbatim("ssc:MetaData", "ssc:Signature")
 
     def connector(self, name: str) -> Connector | None:
         """The connector of that name, if it is declared."""
         return next((one for one in self.connectors if one.name == name), None)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Component(ModelElement):
+class Component(ModelElement, tags="ssd:Component"):
     """An FMU, or another system description, named by `source`."""
 
-    TAGS = ("ssd:Component",)
-    type: str = attribute(default=FMU_TYPE)
-    source: str | None = attribute(default=None)
-    implementation: str = attribute(
-        choices=("any", "ModelExchange", "CoSimulation", "ScheduledExecution"), default="any"
-    )
-    annotations: tuple[Annotation, ...] = _annotations()
+    type: str = FMU_TYPE
+    source: str | None = None
+    implementation: Implementation = "any"
 
 
-@dataclass(frozen=True, kw_only=True)
-class DictionaryReference(ModelElement):
+class DictionaryReference(ModelElement, tags="ssd:SignalDictionaryReference"):
     """Gives a system access to the signals of a dictionary of this or an enclosing system."""
 
-    TAGS = ("ssd:SignalDictionaryReference",)
-    dictionary: str = attribute()
-    annotations: tuple[Annotation, ...] = _annotations()
+    dictionary: str
 
 
-@dataclass(frozen=True, kw_only=True)
-class Connection(Base):
+class Connection(ssc.Entity, tags="ssd:Connection"):
     """A wire between connectors of a system (no element) and of its elements."""
 
-    TAGS = ("ssd:Connection",)
-    start_element: str | None = attribute("startElement", default=None)
-    start_connector: str = attribute("startConnector")
-    start_indices: tuple[str, ...] = attribute("startIndices", "list", default=())
-    end_element: str | None = attribute("endElement", default=None)
-    end_connector: str = attribute("endConnector")
-    end_indices: tuple[str, ...] = attribute("endIndices", "list", default=())
-    suppress_unit_conversion: bool = attribute("suppressUnitConversion", "boolean", default=False)
-    transformation: Transformation | None = child(LinearTransformation, MappingTransformation)
-    geometry: tuple[str, ...] = as_it_is("ssd:ConnectionGeometry")
-    annotations: tuple[Annotation, ...] = _annotations()
+    start_element: str | None = None
+    start_connector: str
+    start_indices: tuple[str, ...] = ()
+    end_element: str | None = None
+    end_connector: str
+    end_indices: tuple[str, ...] = ()
+    suppress_unit_conversion: bool = False
+    transformation: ssc.Transformation | None = None
+    geometry: tuple[str, ...] = verbatim("ssd:ConnectionGeometry")
 
 
-@dataclass(frozen=True, kw_only=True)
-class DictionaryDefinition(Base):
+class DictionaryDefinition(ssc.Base, tags="ssd:SignalDictionary"):
     """A signal dictionary, inline or by `source`."""
 
-    TAGS = ("ssd:SignalDictionary",)
-    name: str = attribute()
-    type: str = attribute(default=DICTIONARY_TYPE)
-    source: str | None = attribute(default=None)
-    inline: Dictionary | None = child(Dictionary)
+    name: str
+    type: str = DICTIONARY_TYPE
+    source: str | None = None
+    inline: Dictionary | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class SystemElement(ModelElement):
+class SystemElement(ModelElement, tags="ssd:System"):
     """A system: elements, and the connections between their and its own connectors."""
 
-    TAGS = ("ssd:System",)
-    elements: tuple[Component | DictionaryReference | SystemElement, ...] = children(
-        lambda: (Component, DictionaryReference, SystemElement), wrapper="ssd:Elements"
-    )
-    connections: tuple[Connection, ...] = children(lambda: (Connection,), wrapper="ssd:Connections")
-    dictionaries: tuple[DictionaryDefinition, ...] = children(
-        lambda: (DictionaryDefinition,), wrapper="ssd:SignalDictionaries"
-    )
-    graphics: tuple[str, ...] = as_it_is("ssd:SystemGeometry", "ssd:GraphicalElements")
-    annotations: tuple[Annotation, ...] = _annotations()
+    elements: tuple[Component | DictionaryReference | SystemElement, ...] = wrapped("Elements")
+    connections: tuple[Connection, ...] = wrapped("Connections")
+    dictionaries: tuple[DictionaryDefinition, ...] = wrapped("SignalDictionaries")
+    graphics: tuple[str, ...] = verbatim("ssd:SystemGeometry", "ssd:GraphicalElements")
 
 
-@dataclass(frozen=True, kw_only=True)
-class DefaultExperiment(Element):
+class DefaultExperiment(Element, tags="ssd:DefaultExperiment"):
     """Start and stop time (s), for information."""
 
-    TAGS = ("ssd:DefaultExperiment",)
-    start_time: float | None = attribute("startTime", "double", default=None)
-    stop_time: float | None = attribute("stopTime", "double", default=None)
-    annotations: tuple[Annotation, ...] = _annotations()
+    start_time: float | None = None
+    stop_time: float | None = None
+    annotations: tuple[ssc.Annotation, ...] = wrapped("Annotations")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SystemStructure(TopLevel):
+class SystemStructure(ssc.TopLevel, tags="ssd:SystemStructureDescription"):
     """An SSD document."""
 
-    TAGS = ("ssd:SystemStructureDescription",)
-    version: str = attribute(choices=VERSIONS)
-    name: str = attribute()
-    system: SystemElement = child(SystemElement, optional=False)
-    enumerations: tuple[Enumeration, ...] = children(
-        lambda: (Enumeration,), wrapper="ssd:Enumerations"
-    )
-    units: tuple[UnitDefinition, ...] = children(lambda: (UnitDefinition,), wrapper="ssd:Units")
-    experiment: DefaultExperiment | None = child(DefaultExperiment)
-    metadata: tuple[str, ...] = metadata()
-    annotations: tuple[Annotation, ...] = _annotations()
+    name: str
+    system: SystemElement
+    enumerations: tuple[ssc.Enumeration, ...] = wrapped("Enumerations")
+    units: tuple[ssc.UnitDefinition, ...] = wrapped("Units")
+    experiment: DefaultExperiment | None = None

@@ -11,14 +11,13 @@ connections of single elements of arrays.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from harness.errors import ExperimentError, HarnessError, nearest
 from harness.ssp.change import Change, transformed
-from harness.ssp.common import Transformation
 from harness.ssp.document import Connection
-from harness.ssp.ports import SINKS, SOURCES, Node, Port, Ports, reference_at
+from harness.ssp.ports import SINKS, SOURCES, Node, Ports, reference_at
 from harness.ssp.tree import SystemNode, Tree
 from harness.system.units import Unit, exact_conversion
 
@@ -49,7 +48,7 @@ class FlatWire:
 def flat_wires(tree: Tree, ports: Ports) -> tuple[FlatWire, ...]:
     """All wires that end at an FMU, in the order of the connections that reach it."""
     incoming: dict[Node, Edge] = {}
-    for edge in _edges(tree, ports):
+    for edge in (_directed(s, c, ports) for s in tree.systems for c in s.element.connections):
         other = incoming.setdefault(edge.target, edge)
         if other is not edge:
             raise ExperimentError(
@@ -77,49 +76,23 @@ def _followed(target: Node, incoming: Mapping[Node, Edge], tree: Tree) -> FlatWi
     return FlatWire(node, target, tuple(reversed(edges)), driven)
 
 
-def change_along(edges: tuple[Edge, ...], ports: Ports, source_unit: Unit | None) -> Change:
-    """What happens to a value with `source_unit` on its way; raises `ExperimentError`."""
-    change, unit = Change(), source_unit
-    if edges and ports.port(edges[0].source, edges[0].place).type == "Boolean":
-        return _chain(edges, ports, change, unit).boolean()
-    return _chain(edges, ports, change, unit)
-
-
-def _chain(edges: tuple[Edge, ...], ports: Ports, change: Change, unit: Unit | None) -> Change:
+def change_along(edges: tuple[Edge, ...], ports: Ports, unit: Unit | None) -> Change:
+    """What happens to a value in a `unit` on its way; raises `ExperimentError`."""
+    change = Change()
     for edge in edges:
-        source = ports.port(edge.source, edge.place)
-        target = ports.port(edge.target, edge.place)
+        source, target = (ports.port(end, edge.place) for end in (edge.source, edge.target))
         c = edge.connection
         try:
             if not c.suppress_unit_conversion:
                 change = change.scaled(*exact_conversion(unit, target.unit))
-            change, unit = _apply(change, unit, c.transformation, source, target, c)
+            if c.transformation is not None:
+                change = transformed(change, c.transformation, source.items, target.items)
         except HarnessError as fault:
             raise ExperimentError(f"{edge.place}: {fault}") from fault
-    return change
-
-
-def _apply(
-    change: Change,
-    unit: Unit | None,
-    given: Transformation | None,
-    source: Port,
-    target: Port,
-    connection: Connection,
-) -> tuple[Change, Unit | None]:
-    """The change after a connection, and the unit in which the value then is."""
-    if given is not None:
-        change = transformed(change, given, source.items, target.items)
-    if target.unit is not None:
-        return change, target.unit
-    touched = given is not None or connection.suppress_unit_conversion
-    return change, None if touched else unit
-
-
-def _edges(tree: Tree, ports: Ports) -> Iterator[Edge]:
-    for system in tree.systems:
-        for connection in system.element.connections:
-            yield _directed(system, connection, ports)
+        if target.unit is not None or c.transformation is not None or c.suppress_unit_conversion:
+            unit = target.unit
+    boolean = edges and ports.port(edges[0].source, edges[0].place).type == "Boolean"
+    return change.boolean() if boolean else change
 
 
 def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:

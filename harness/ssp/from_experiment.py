@@ -10,7 +10,7 @@ Refused, with the way out, are sensitivities and plain Python: there is nothing 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -19,23 +19,13 @@ from warnings import warn
 from harness.clock import show, to_seconds
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
-from harness.experiment.schema import ExperimentSpec
-from harness.fmi.description.model_description import ModelDescription
-from harness.fmi.fmu import Fmu
+from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
 from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
-from harness.ssp.document import (
-    Component,
-    Connection,
-    DefaultExperiment,
-    ParameterBinding,
-    SystemElement,
-    SystemStructure,
-)
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name
-from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, sha256
+from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, describe_fmu, sha256
 from harness.system import graph
 from harness.system.block import Block
 
@@ -90,7 +80,7 @@ def export_experiment(
     Raises `ExperimentError` with one line for each variant that cannot be exported.
     """
     resources, faults = Resources(), []
-    structures: dict[str, SystemStructure] = {}
+    structures: dict[str, ssd.SystemStructure] = {}
     for variant in variants:
         file = f"{safe_name(variant)}.ssd" if structures else DEFAULT
         try:
@@ -103,49 +93,55 @@ def export_experiment(
     save_package(target, structures, resources.files)
 
 
-@dataclass(frozen=True)
 class _Exporter:
-    experiment: Experiment
-    variant: str
-    variants: tuple[str, ...]
-    resources: Resources
-    block_fmu: BlockFmu
+    """A variant on its way into a package; the FMUs of its blocks are there afterwards."""
 
-    def structure(self, *, first: bool) -> SystemStructure:
-        spec = self.experiment.variant_spec(self.variant)
-        system = self.experiment.bench(self.variant).system()
-        sources = {c.name: self._source(c, system, spec) for c in system.components}
-        descriptions = {name: _describe(path) for name, path in sources.items()}
-        major = max(d.fmi_major for d in descriptions.values())
-        version = "2.0" if major > 2 else "1.0"
-        units = Units()
-        elements = tuple(
-            self._component(c, sources[c.name], descriptions[c.name], spec, system, version, units)
-            for c in system.components
-        )
-        root = SystemElement(
+    def __init__(
+        self,
+        experiment: Experiment,
+        variant: str,
+        variants: tuple[str, ...],
+        resources: Resources,
+        block_fmu: BlockFmu,
+    ) -> None:
+        self.experiment, self.variant, self.variants = experiment, variant, variants
+        self.resources, self.block_fmu = resources, block_fmu
+        self.spec = experiment.variant_spec(variant)
+        self.system = experiment.bench(variant).system()
+        self.sources = {c.name: self._source(c) for c in self.system.components}
+        self.descriptions = {name: describe_fmu(path) for name, path in self.sources.items()}
+        newest = max(d.fmi_major for d in self.descriptions.values())
+        self.version = "2.0" if newest > 2 else "1.0"
+        self.units = Units()
+
+    def structure(self, *, first: bool) -> ssd.SystemStructure:
+        spec, components = self.spec, self.system.components
+        root = ssd.SystemElement(
             name=self.variant,
             description=spec.title,
-            elements=elements,
-            connections=tuple(self._connection(c, spec, descriptions) for c in system.connections),
+            elements=tuple(map(self._component, components)),
+            connections=tuple(map(self._connection, self.system.connections)),
         )
-        step = min(_period(c) for c in system.components)
-        return SystemStructure(
+        step = min(
+            c.step_ns if isinstance(c, graph.FmuComponent) else c.period_ns for c in components
+        )
+        return ssd.SystemStructure(
             namespaces=(OSP_NAMESPACE,),
-            version=version,
+            version=self.version,
             name=self.variant,
             generation_tool="fmu-harness",
             system=root,
-            units=units.definitions(),
-            experiment=DefaultExperiment(
+            units=self.units.definitions(),
+            experiment=ssd.DefaultExperiment(
                 start_time=spec.start_time,
                 stop_time=spec.stop_time,
                 annotations=(osp_step(to_seconds(step)),),
             ),
-            annotations=annotation(self._settings(spec, report=first)),
+            annotations=annotation(self._settings(report=first)),
         )
 
-    def _settings(self, spec: ExperimentSpec, *, report: bool) -> Table:
+    def _settings(self, *, report: bool) -> Table:
+        spec = self.spec
         given = spec.model_dump(by_alias=True, exclude_unset=True, exclude=_STRUCTURE)
         variant = self.experiment.spec.variants.get(self.variant)
         if variant is not None and variant.label is not None:
@@ -161,48 +157,37 @@ class _Exporter:
         _only(given, self.variants)
         return {"step": spec.step, "algorithm": spec.algorithm, **given}
 
-    def _source(self, c: graph.Component, system: graph.System, spec: ExperimentSpec) -> Path:
+    def _source(self, c: graph.Component) -> Path:
         """The FMU of a component."""
         if isinstance(c, graph.FmuComponent):
             return c.path
-        if isinstance(c, graph.SignalComponent):
-            return self._made(c, sequence_block(c, system), spec)
-        if isinstance(c, graph.BlockComponent):
-            return self._made(c, c.block, spec)
         if isinstance(c, graph.SensitivityComponent):
             raise ExperimentError(
                 f"component {c.name} is a sensitivity, which the harness computes and no FMU can; "
                 "choose variants without one by --variant"
             )
-        raise ExperimentError(
-            f"component {c.name} is plain Python, of which no FMU can be made; write it as a block "
-            "with step(p, x, u, y), as the README of the controllers shows"
+        if isinstance(c, graph.PythonComponent):
+            raise ExperimentError(
+                f"component {c.name} is plain Python, of which no FMU can be made; write it as a "
+                "block with step(p, x, u, y), as the README of the controllers shows"
+            )
+        return self.block_fmu(
+            sequence_block(c, self.system) if isinstance(c, graph.SignalComponent) else c.block,
+            c.name,
+            to_seconds(c.period_ns),
+            self.spec.fmi_version,
+            phase=to_seconds(c.phase_ns),
+            portable=self.spec.portable,
         )
 
-    def _made(
-        self, c: graph.BlockComponent | graph.SignalComponent, block: Block, spec: ExperimentSpec
-    ) -> Path:
-        return self.block_fmu(
-            block, c.name, to_seconds(c.period_ns), spec.fmi_version,
-            phase=to_seconds(c.phase_ns), portable=spec.portable,
-        )  # fmt: skip
-
-    def _component(
-        self,
-        c: graph.Component,
-        source: Path,
-        description: ModelDescription,
-        spec: ExperimentSpec,
-        system: graph.System,
-        version: str,
-        units: Units,
-    ) -> Component:
-        used = {e.variable for w in system.connections for e in (w.source, w.target)
-                if e.component == c.name}  # fmt: skip
-        given = spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
-        bindings: tuple[ParameterBinding, ...] = ()
+    def _component(self, c: graph.Component) -> ssd.Component:
+        source, description = self.sources[c.name], self.descriptions[c.name]
+        ends = [end for wire in self.system.connections for end in (wire.source, wire.target)]
+        used = {end.variable for end in ends if end.component == c.name}
+        given = self.spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
+        bindings: tuple[ssd.ParameterBinding, ...] = ()
         if isinstance(c, graph.FmuComponent):
-            bindings = start_value_binding(c.name, c.start_values, description, version)
+            bindings = start_value_binding(c.name, c.start_values, description, self.version)
             own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
         else:
             own = {**given, "fmu_sha256": sha256(source)}
@@ -214,34 +199,29 @@ class _Exporter:
             if isinstance(c, graph.BlockComponent):
                 self._say(f"{c.name} is an FMU there: what it computes arrives one communication "
                           f"step ({show(c.period_ns)}) later than in this loop")  # fmt: skip
-        return Component(
+        return ssd.Component(
             name=c.name,
             source=self.resources.add(f"{safe_name(c.name)}.fmu", source),
             implementation="CoSimulation",
-            connectors=connectors(description, used, version, units),
+            connectors=connectors(description, used, self.version, self.units),
             bindings=bindings,
             annotations=annotation(own),
         )
 
-    def _connection(
-        self,
-        wire: graph.Connection,
-        spec: ExperimentSpec,
-        descriptions: Mapping[str, ModelDescription],
-    ) -> Connection:
-        given = spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
+    def _connection(self, wire: graph.Connection) -> ssd.Connection:
+        given = self.spec.connections[str(wire.target)].model_dump(exclude_defaults=True)
         own = {k: v for k, v in given.items() if k in WIRE_SETTINGS}
         if own:
             self._say(f"the {' and '.join(own)} on {wire.source} -> {wire.target} are in an "
                       "annotation of ours only")  # fmt: skip
-        change = unit_change(wire.source, wire.target, descriptions) if wire.convert_units else ""
-        if change:
+        ends = (wire.source, wire.target)
+        if wire.convert_units and (change := unit_change(*ends, self.descriptions)):
             self._say(
                 f"the conversion of {change} on {wire.source} -> {wire.target} is left to the "
                 "tool; for one that does none, state a factor and convert_units = false"
             )
         linear = LinearTransformation(factor=wire.factor, offset=wire.offset)
-        return Connection(
+        return ssd.Connection(
             start_element=wire.source.component,
             start_connector=wire.source.variable,
             end_element=wire.target.component,
@@ -266,14 +246,3 @@ def _only(settings: Table, variants: tuple[str, ...]) -> None:
                 del plots[name]
     if settings.get("study") and settings["study"]["baseline"] not in variants:
         del settings["study"]
-
-
-def _period(component: graph.Component) -> int:
-    if isinstance(component, graph.FmuComponent):
-        return component.step_ns
-    return component.period_ns
-
-
-def _describe(path: Path) -> ModelDescription:
-    with Fmu(path) as fmu:
-        return fmu.description

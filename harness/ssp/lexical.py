@@ -34,12 +34,8 @@ def read_double(text: str) -> float:
 
 def write_double(value: float) -> str:
     """The shortest text that reads back as the same double."""
-    value = float(value)
-    if math.isnan(value):
-        return "NaN"
-    if math.isinf(value):
-        return "INF" if value > 0 else "-INF"
-    return repr(value)
+    shown = repr(float(value))
+    return {"nan": "NaN", "inf": "INF", "-inf": "-INF"}.get(shown, shown)
 
 
 def read_integer(text: str) -> int:
@@ -62,11 +58,11 @@ def write_boolean(value: bool) -> str:
     return "true" if value else "false"
 
 
-FORMS = {
-    "string": Form(str, str),
-    "double": Form(read_double, write_double),
-    "integer": Form(read_integer, str),
-    "boolean": Form(read_boolean, write_boolean),
-    "list": Form(lambda text: tuple(text.split()), " ".join),
+FORMS: dict[type, Form] = {
+    str: Form(str, str),
+    float: Form(read_double, write_double),
+    int: Form(read_integer, str),
+    bool: Form(read_boolean, write_boolean),
+    tuple: Form(lambda text: tuple(text.split()), " ".join),
 }
-"""The forms by name; "list" is of tokens separated by white space."""
+"""The forms by type; a tuple is of tokens separated by white space."""

@@ -1,7 +1,7 @@
-"""XML of strangers: parsed without entities, DOCTYPE or network, and kept where nobody reads it.
+"""XML of strangers: parsed without entities, DOCTYPE or network.
 
-What the harness does not understand of a document is kept as canonical XML and written back.
-Comments between elements that are understood are not kept.
+What the harness does not understand of a document is held as canonical XML and written back.
+Comments between elements that are understood are dropped.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def parse(content: bytes, where: str) -> Any:
     return root
 
 
-def keep(element: Any, where: str = "annotation") -> str:
+def canonical(element: Any, where: str = "annotation") -> str:
     """An element as canonical XML that means the same wherever it is put back; raises
     `ExperimentError` for one that has no such form."""
     prefixes = [p for p in element.nsmap if p is not None and _is_used(element, f"{p}:")]
@@ -84,12 +84,6 @@ def _is_used(element: Any, prefix: str) -> bool:
     )
 
 
-def kept(text: str) -> Any:
-    """The element that `keep` made a text of."""
-    return parse(text.encode("utf-8"), "kept element")
-
-
-def serialise(root: Any) -> bytes:
-    """The bytes of a file, with an XML declaration."""
-    content: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
-    return content + b"\n"
+def parsed(text: str) -> Any:
+    """The element of which `canonical` made a text."""
+    return parse(text.encode("utf-8"), "canonical XML")

@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from warnings import warn
 
 from harness.errors import ExperimentError
 from harness.ssp import binding
+from harness.ssp import document as ssd
 from harness.ssp.binding import E
 from harness.ssp.change import Change, Items, transformed
-from harness.ssp.common import Transformation
-from harness.ssp.document import (
-    MAPPING_TYPE,
-    PARAMETER_SET_TYPE,
-    MappingReference,
-    ParameterBinding,
-)
+from harness.ssp.common import REAL_KINDS, Transformation
 from harness.ssp.lexical import read_boolean, read_double, read_integer
-from harness.ssp.package import read_bytes
-from harness.ssp.parameters import ParameterMapping, ParameterSet, ParameterValue
+from harness.ssp.parameters import Parameter, ParameterMapping, ParameterSet
 from harness.ssp.ports import Port
-from harness.ssp.tree import Scope, enumerations_of, units_of
-from harness.system.units import Unit, exact_conversion, parse_unit
+from harness.ssp.tree import Definitions, Scope
+from harness.system.units import Unit, exact_conversion
 
 Scalar = float | int | bool | str
 
@@ -68,25 +62,23 @@ class Value:
 
 
 def bound_values(
-    given: ParameterBinding, scope: Scope, component: str | None, place: str
+    given: ssd.ParameterBinding, scope: Scope, component: str | None, place: str
 ) -> Iterator[tuple[str, Value]]:
     """Names and values that a binding gives, after prefix and mapping; `component` is the URI of
     the FMU to which it is bound, if it is one."""
-    if given.type != PARAMETER_SET_TYPE:
+    if given.type != ssd.PARAMETER_SET_TYPE:
         raise ExperimentError(
-            f"{place}: parameters of type {given.type!r} cannot be read; {PARAMETER_SET_TYPE} can"
+            f"{place}: parameters of type {given.type!r} cannot be read; "
+            f"{ssd.PARAMETER_SET_TYPE} can"
         )
-    content = given.values
+    content = given.inline
     if given.source is not None:
         content = _document(ParameterSet, given, scope, component, place)
     if content is None:
         raise ExperimentError(f"{place} has neither a source nor values")
-    units, enumerations = units_of(content.units), enumerations_of(content.enumerations)
+    known = Definitions(content)
     named = {
-        f"{given.prefix}{one.name}": replace(
-            _value(one.value, units, enumerations, f"{place}: {one.name}"),
-            array=bool(one.dimensions),
-        )
+        f"{given.prefix}{one.name}": _value(one, known, f"{place}: {one.name}")
         for one in content.parameters
     }
     if given.mapping is None:
@@ -104,11 +96,11 @@ def bound_values(
 
 
 def _mapping(
-    given: MappingReference, scope: Scope, source: str | None, place: str
+    given: ssd.MappingReference, scope: Scope, source: str | None, place: str
 ) -> ParameterMapping:
-    if given.type != MAPPING_TYPE:
+    if given.type != ssd.MAPPING_TYPE:
         raise ExperimentError(
-            f"{place}: mappings of type {given.type!r} cannot be read; {MAPPING_TYPE} can"
+            f"{place}: mappings of type {given.type!r} cannot be read; {ssd.MAPPING_TYPE} can"
         )
     found = given.inline
     if given.source is not None:
@@ -120,7 +112,7 @@ def _mapping(
 
 def _document(
     kind: type[E],
-    given: ParameterBinding | MappingReference,
+    given: ssd.ParameterBinding | ssd.MappingReference,
     scope: Scope,
     component: str | None,
     place: str,
@@ -129,8 +121,7 @@ def _document(
     assert given.source is not None
     what = place.rpartition(": ")[2]
     if given.source_base == "SSD":
-        path = scope.resolve(given.source, what)
-        return binding.read(kind, read_bytes(path, place), f"{place}: {given.source}")
+        return scope.document(kind, given.source, what)
     if component is None:
         raise ExperimentError(f"{place}: {given.source!r} is relative to a component without FMU")
     archive = scope.resolve(component, what)
@@ -145,12 +136,8 @@ def _member(archive: Path, name: str, place: str) -> bytes:
         raise ExperimentError(f"{place}: {archive.name} has no readable {name!r}") from fault
 
 
-def _value(
-    given: ParameterValue,
-    units: Mapping[str, Unit],
-    enumerations: Mapping[str, Items],
-    place: str,
-) -> Value:
+def _value(parameter: Parameter, known: Definitions, place: str) -> Value:
+    given = parameter.value
     texts = [one.value for one in given.items]
     if given.value is not None:
         texts = [given.value] if given.kind in ("String", "Enumeration") else given.value.split()
@@ -162,12 +149,12 @@ def _value(
         raise ExperimentError(f"{place}: the {given.kind} {given.value!r} is {fault}") from fault
     if not content:
         raise ExperimentError(f"{place} has no value")
-    unit = parse_unit(given.unit, units) if given.unit else None
-    return Value(content, unit, enumerations.get(given.name or ""))
+    unit, items = known.unit(given.unit), known.items(given.name)
+    return Value(content, unit, items, array=bool(parameter.dimensions))
 
 
 def _scalar(kind: str, text: str) -> Scalar:
-    if kind in ("Real", "Float64", "Float32"):
+    if kind in REAL_KINDS:
         return read_double(text)
     if kind == "Boolean":
         return read_boolean(text)

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import ExperimentError, nearest
-from harness.fmi.description.model_description import ModelDescription
+from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.start_values import find_target
-from harness.ssp import binding
 from harness.ssp.common import DataType
 from harness.ssp.document import DictionaryReference, SystemElement
-from harness.ssp.package import read_bytes
 from harness.ssp.parameters import Dictionary
-from harness.ssp.tree import Scope, Tree, TreePath, enumerations_of, units_of
+from harness.ssp.tree import Definitions, Tree, TreePath
 from harness.system.units import Unit, parse_unit
 
 SOURCES = ("output", "calculatedParameter", "constant", "local")
@@ -68,10 +66,7 @@ class Ports:
     def variable_unit(self, node: Node) -> Unit | None:
         """The unit of the FMU's variable, whatever the connector says."""
         description = self.describe(self.tree.fmu_at[node.path].source)
-        variable = description.variables.get(node.name)
-        if variable is None or not variable.unit:
-            return None
-        return parse_unit(variable.unit, description.units)
+        return unit_of(description.variables.get(node.name), description)
 
     def referred(self, path: TreePath, reference: DictionaryReference, name: str) -> Node:
         """The dictionary entry behind a reference's connector, in this or an enclosing system."""
@@ -103,10 +98,9 @@ class Ports:
         system = self.tree.system_at[node.path]
         connector = system.element.connector(node.name)
         if connector is None:
-            legal = [c.name for c in system.element.connectors]
-            hint = nearest(node.name, legal)
+            hint = nearest(node.name, [c.name for c in system.element.connectors])
             raise ExperimentError(f"{place}: there is no connector {node}; {hint}")
-        return _typed(connector.kind, connector.type, system.scope)
+        return _typed(connector.kind, connector.type, system.scope.definitions)
 
     def _of_fmu(self, node: Node, place: str) -> Port:
         fmu = self.tree.fmu_at[node.path]
@@ -114,17 +108,15 @@ class Ports:
         target = find_target(description, node.name)
         connector = fmu.element.connector(node.name)
         if target is None:
-            legal = description.variables
-            hint = nearest(node.name, legal)
             raise ExperimentError(
                 f"{place}: FMU {fmu.source.name} of {'.'.join(node.path)} has no variable "
-                f"{node.name!r}; {hint}"
+                f"{node.name!r}; {nearest(node.name, description.variables)}"
             )
         variable = target[0]
-        own = parse_unit(variable.unit, description.units) if variable.unit else None
+        own = unit_of(variable, description)
         if connector is None:
             return Port(variable.causality, own, variable.type)
-        said = _typed(connector.kind, connector.type, fmu.scope)
+        said = _typed(connector.kind, connector.type, fmu.scope.definitions)
         kind = said.kind if said.kind not in ("inout", "unspecified") else variable.causality
         return Port(kind, said.unit or own, said.type or variable.type, said.items)
 
@@ -136,34 +128,30 @@ class Ports:
     def _read_dictionary(self, path: TreePath, name: str) -> dict[str, Port]:
         system = self.tree.system_at[path]
         given = next(d for d in system.element.dictionaries if d.name == name)
-        where = f"{system.scope.where}: signal dictionary {name}"
-        content = given.inline
+        place, content = f"signal dictionary {name}", given.inline
         if given.source is not None:
-            found = system.scope.resolve(given.source, f"signal dictionary {name}")
-            content = binding.read(Dictionary, read_bytes(found, where), f"{where}: {given.source}")
+            content = system.scope.document(Dictionary, given.source, place)
         if content is None:
-            raise ExperimentError(f"{where} has neither a source nor a content")
-        units, enumerations = units_of(content.units), enumerations_of(content.enumerations)
-        return {
-            entry.name: Port(
-                "inout",
-                parse_unit(entry.type.unit, units) if entry.type.unit else None,
-                entry.type.kind,
-                enumerations.get(entry.type.name or ""),
+            raise ExperimentError(
+                f"{system.scope.where}: {place} has neither a source nor a content"
             )
-            for entry in content.entries
-        }
+        definitions = Definitions(content)
+        return {one.name: _typed("inout", one.type, definitions) for one in content.entries}
 
 
-def _typed(kind: str, given: DataType | None, scope: Scope) -> Port:
+def _typed(kind: str, given: DataType | None, known: Definitions) -> Port:
     if given is None:
         return Port(kind)
-    return Port(kind, scope.unit(given.unit), given.kind, scope.enumerations.get(given.name or ""))
+    return Port(kind, known.unit(given.unit), given.kind, known.items(given.name))
 
 
 def reference_at(system: SystemElement, name: str) -> DictionaryReference | None:
     """The dictionary reference of that name in a system."""
-    for one in system.elements:
-        if isinstance(one, DictionaryReference) and one.name == name:
-            return one
-    return None
+    references = (one for one in system.elements if isinstance(one, DictionaryReference))
+    return next((one for one in references if one.name == name), None)
+
+
+def unit_of(variable: Variable | None, description: ModelDescription) -> Unit | None:
+    """The unit of an FMU's variable, None where there is none."""
+    unit = variable.unit if variable is not None else None
+    return parse_unit(unit, description.units) if unit else None

@@ -59,7 +59,7 @@ def annotation(settings: Mapping[str, Any]) -> tuple[Annotation, ...]:
     except (TypeError, ValueError) as fault:
         raise ExperimentError(f"settings cannot be written as JSON: {fault}") from fault
     xml = f'<Settings xmlns="{NAMESPACE}">{escape(content, quote=False)}</Settings>'
-    return (Annotation(type=TYPE, more=(markup.keep(markup.kept(xml)),)),)
+    return (Annotation(type=TYPE, more=(markup.canonical(markup.parsed(xml)),)),)
 
 
 def fixed_step(structure: SystemStructure) -> tuple[float, str] | None:
@@ -67,7 +67,7 @@ def fixed_step(structure: SystemStructure) -> tuple[float, str] | None:
     of_experiment = structure.experiment.annotations if structure.experiment else ()
     for one in (*of_experiment, *structure.system.annotations, *structure.annotations):
         for content in one.more:
-            for element in markup.kept(content).iter("{*}*"):
+            for element in markup.parsed(content).iter("{*}*"):
                 for tag, name in _STEPS:
                     if element.tag.rpartition("}")[2] == tag and element.get(name):
                         return _step(element.get(name), one.type)
@@ -81,7 +81,7 @@ def osp_step(step: float) -> Annotation:
         f'<osp:Algorithm xmlns:{prefix}="{uri}">'
         f'<osp:FixedStepAlgorithm baseStepSize="{step!r}"></osp:FixedStepAlgorithm></osp:Algorithm>'
     )
-    return Annotation(type=OSP_TYPE, more=(markup.keep(markup.kept(xml)),))
+    return Annotation(type=OSP_TYPE, more=(markup.canonical(markup.parsed(xml)),))
 
 
 def safe_name(name: str) -> str:
@@ -99,7 +99,7 @@ def check_names(settings: Mapping[str, Any], where: str) -> None:
 
 def _read(one: Annotation, where: str) -> dict[str, Any]:
     for content in one.more:
-        element = markup.kept(content)
+        element = markup.parsed(content)
         if element.tag != _TAG:
             continue
         try:

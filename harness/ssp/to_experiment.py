@@ -72,7 +72,7 @@ def open_experiment(
     signals run, as they do in other tools.
     """
     with open_package(path) as package, ExitStack() as stack:
-        describe = cache(_describe)
+        describe = cache(describe_fmu)
         names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
@@ -84,14 +84,17 @@ def open_experiment(
         for table in variants.values():
             table.pop("order", None)
         base = {k: v for k, v in first.items() if k != "label"} | report
-        whole = {
+        complete = {
             name: {k: v for k, v in table.items() if k != "report"} | {"whole": True}
             for name, table in variants.items()
         }
-        yield Experiment.from_data(merge(base, settings or {}) | {"variants": whole}, package.path)
+        yield Experiment.from_data(
+            merge(base, settings or {}) | {"variants": complete}, package.path
+        )
 
 
-def _describe(path: Path) -> ModelDescription:
+def describe_fmu(path: Path) -> ModelDescription:
+    """The description of an FMU; raises `FmuError`."""
     with Fmu(path) as fmu:
         return fmu.description
 
@@ -172,28 +175,20 @@ class _Importer:
                 f"{place} demands {node.element.implementation}; systems run FMUs in co-simulation"
             )
         stands_for = next((k for k in ("controller", "signal") if k in own), None)
-        if stands_for is None or not self.in_process:
-            kept: Table = {k: own[k] for k in FMU_SETTINGS if k in own}
-            if stands_for is not None and "sample_time" in own:
-                kept["step"] = own["sample_time"]
-            return self._fmu(node, starts, kept)
-        changed = digest is not None and digest != sha256(node.source)
-        if changed or starts:
+        if stands_for is not None and self.in_process:
+            changed = digest is not None and digest != sha256(node.source)
+            if not changed and not starts:
+                parameters = own.get("parameters")
+                if stands_for == "signal" and isinstance(parameters, dict) and "file" in parameters:
+                    file = self.package.resolve(str(parameters["file"]), place)
+                    own["parameters"] = {**parameters, "file": str(file)}
+                return own
             what = "its FMU was exchanged" if changed else "it has parameters of its own"
             warn(f"{place} runs as an FMU, not in process: {what}", stacklevel=2)
-            step = {"step": own["sample_time"]} if "sample_time" in own else {}
-            return self._fmu(node, starts, step)
-        parameters = own.get("parameters")
-        if stands_for == "signal" and isinstance(parameters, dict) and "file" in parameters:
-            file = self.package.resolve(str(parameters["file"]), place)
-            own["parameters"] = {**parameters, "file": str(file)}
-        return own
-
-    def _fmu(self, node: FmuNode, starts: Table, own: Table) -> Table:
-        made: Table = {"fmu": str(node.source), **own}
-        if starts:
-            made["start_values"] = starts
-        return made
+        made: Table = {"fmu": str(node.source), **{k: own[k] for k in FMU_SETTINGS if k in own}}
+        if stands_for is not None and "sample_time" in own:
+            made["step"] = own["sample_time"]
+        return made | ({"start_values": starts} if starts else {})
 
     def _wire(self, wire: FlatWire, names: Mapping[TreePath, str]) -> Table:
         made: Table = {"from": f"{names[wire.source.path]}.{wire.source.name}"}

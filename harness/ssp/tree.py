@@ -18,19 +18,10 @@ from warnings import warn
 
 from harness.errors import ExperimentError, nearest
 from harness.ssp import binding
-from harness.ssp.common import BaseUnit, UnitDefinition
-from harness.ssp.common import Enumeration as EnumerationDefinition
-from harness.ssp.document import (
-    FMU_TYPE,
-    SSD_TYPE,
-    SSP_TYPE,
-    Component,
-    DictionaryReference,
-    ParameterBinding,
-    SystemElement,
-    SystemStructure,
-)
+from harness.ssp import document as ssd
+from harness.ssp.binding import E
 from harness.ssp.package import DEFAULT, Package, open_package, read_bytes
+from harness.ssp.parameters import Dictionary, ParameterSet
 from harness.system.units import Unit, parse_unit
 
 MAX_ELEMENTS = 100_000
@@ -38,32 +29,50 @@ MAX_NESTING = 60
 TreePath = tuple[str, ...]
 
 
+class Definitions:
+    """The units and enumerations that a document defines, as the harness computes with them."""
+
+    def __init__(self, document: ssd.SystemStructure | ParameterSet | Dictionary) -> None:
+        self._units = {}
+        for one in document.units:
+            b = one.base
+            exponents = (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad)
+            self._units[one.name] = Unit(one.name, exponents, b.factor, b.offset)
+        self._enumerations = {
+            one.name: {item.name: item.value for item in one.items} for one in document.enumerations
+        }
+
+    def unit(self, name: str | None) -> Unit | None:
+        """The unit of that name, None where none is stated."""
+        return parse_unit(name, self._units) if name else None
+
+    def items(self, name: str | None) -> Mapping[str, int] | None:
+        """The items of the enumeration of that name, None where none is defined."""
+        return self._enumerations.get(name or "")
+
+
 @dataclass(frozen=True)
 class Scope:
     """A document as its elements see it: its units and enumerations, and where its URIs start."""
 
     package: Package
-    structure: SystemStructure
+    structure: ssd.SystemStructure
     folder: Path
     where: str
 
     @cached_property
-    def units(self) -> dict[str, Unit]:
-        """The units that the document defines."""
-        return units_of(self.structure.units)
-
-    @cached_property
-    def enumerations(self) -> dict[str, dict[str, int]]:
-        """The enumerations that the document defines."""
-        return enumerations_of(self.structure.enumerations)
-
-    def unit(self, name: str | None) -> Unit | None:
-        """The unit of that name, None where none is stated."""
-        return parse_unit(name, self.units) if name else None
+    def definitions(self) -> Definitions:
+        """The units and enumerations that the document defines."""
+        return Definitions(self.structure)
 
     def resolve(self, uri: str, place: str) -> Path:
         """The file that a URI of this document names."""
         return self.package.resolve(uri, f"{self.where}: {place}", self.folder)
+
+    def document(self, kind: type[E], uri: str, place: str) -> E:
+        """The document at a URI of this one, which `place` names; raises `ExperimentError`."""
+        where = f"{self.where}: {place}"
+        return binding.read(kind, read_bytes(self.resolve(uri, place), where), f"{where}: {uri}")
 
 
 @dataclass(frozen=True)
@@ -71,9 +80,9 @@ class SystemNode:
     """A system at its place; `bindings` are its own and those of the component it stands for."""
 
     path: TreePath
-    element: SystemElement
+    element: ssd.SystemElement
     scope: Scope
-    bindings: tuple[tuple[ParameterBinding, Scope], ...]
+    bindings: tuple[tuple[ssd.ParameterBinding, Scope], ...]
 
 
 @dataclass(frozen=True)
@@ -81,7 +90,7 @@ class FmuNode:
     """An FMU at its place; `source` is the archive."""
 
     path: TreePath
-    element: Component
+    element: ssd.Component
     scope: Scope
     source: Path
 
@@ -104,20 +113,6 @@ class Tree:
         return {node.path: node for node in self.fmus}
 
 
-def units_of(definitions: tuple[UnitDefinition, ...]) -> dict[str, Unit]:
-    """Units by name, as the harness computes with them."""
-    return {one.name: Unit(one.name, *_base(one.base)) for one in definitions}
-
-
-def _base(b: BaseUnit) -> tuple[tuple[int, ...], float, float]:
-    return (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad), b.factor, b.offset
-
-
-def enumerations_of(definitions: tuple[EnumerationDefinition, ...]) -> dict[str, dict[str, int]]:
-    """The items of enumerations by name."""
-    return {one.name: {item.name: item.value for item in one.items} for one in definitions}
-
-
 def build_tree(package: Package, file: str, stack: ExitStack) -> Tree:
     """The tree of a root description; packages inside it are open until `stack` closes."""
     structure = package.structures[file]
@@ -126,7 +121,7 @@ def build_tree(package: Package, file: str, stack: ExitStack) -> Tree:
     return Tree(tuple(builder.systems), tuple(builder.fmus))
 
 
-def _scope(package: Package, structure: SystemStructure, file: str) -> Scope:
+def _scope(package: Package, structure: ssd.SystemStructure, file: str) -> Scope:
     return Scope(package, structure, package.folder, package.where(file))
 
 
@@ -136,15 +131,17 @@ class _Builder:
     systems: list[SystemNode] = field(default_factory=list)
     fmus: list[FmuNode] = field(default_factory=list)
     packages: dict[Path, Package] = field(default_factory=dict)
-    around: list[object] = field(default_factory=list)  # documents and systems that are entered
+    entered: list[object] = field(
+        default_factory=list
+    )  # documents and systems that the current one is in
     count: int = 0
 
     def add_system(
         self,
         path: TreePath,
-        element: SystemElement,
+        element: ssd.SystemElement,
         scope: Scope,
-        bindings: tuple[tuple[ParameterBinding, Scope], ...],
+        bindings: tuple[tuple[ssd.ParameterBinding, Scope], ...],
     ) -> None:
         """A system with all that is in it; `bindings` are those given from outside."""
         place = f"{scope.where}: system {'.'.join(path) or element.name}"
@@ -160,69 +157,63 @@ class _Builder:
             if one.name in seen or not one.name:
                 raise ExperimentError(f"{place}: the element name {one.name!r} is used twice")
             seen.add(one.name)
-            if isinstance(one, SystemElement):
+            if isinstance(one, ssd.SystemElement):
                 self.add_system((*path, one.name), one, scope, ())
-            elif not isinstance(one, DictionaryReference):
+            elif not isinstance(one, ssd.DictionaryReference):
                 self._add_component((*path, one.name), one, scope)
 
-    def _add_component(self, path: TreePath, one: Component, scope: Scope) -> None:
+    def _add_component(self, path: TreePath, one: ssd.Component, scope: Scope) -> None:
         place = f"{scope.where}: component {'.'.join(path)}"
         if one.source is None:
             warn(f"{place} has no source; it is taken as an empty system", stacklevel=2)
-            self._replace(path, one, scope, SystemElement(name=one.name), scope)
+            self._replace(path, one, scope, ssd.SystemElement(name=one.name), scope, path)
         elif one.source.startswith("#"):
             found = _by_id(scope.structure.system, one.source[1:])
             if found is None:
                 raise ExperimentError(f"{place}: no system has the id {one.source[1:]!r}")
-            self._enter(id(found), path, one, scope, found, scope)
-        elif one.type == FMU_TYPE:
+            self._replace(path, one, scope, found, scope, id(found))
+        elif one.type == ssd.FMU_TYPE:
             source = scope.resolve(one.source, f"component {'.'.join(path)}")
             self.fmus.append(FmuNode(path, one, scope, source))
-        elif one.type in (SSD_TYPE, SSP_TYPE):
+        elif one.type in (ssd.SSD_TYPE, ssd.SSP_TYPE):
             inner = self._referred(one, scope, place)
             document = scope.resolve(one.source.partition("#")[0], place)
-            self._enter(
-                (document, inner.structure.name), path, one, scope, inner.structure.system, inner
-            )
+            key = (document, inner.structure.name)
+            self._replace(path, one, scope, inner.structure.system, inner, key)
         else:
             raise ExperimentError(
-                f"{place} is of type {one.type!r}; FMUs ({FMU_TYPE}) and other descriptions can "
-                "be run"
+                f"{place} is of type {one.type!r}; FMUs ({ssd.FMU_TYPE}) and other descriptions "
+                "can be run"
             )
 
-    def _enter(
+    def _replace(
         self,
-        key: object,
         path: TreePath,
-        one: Component,
+        one: ssd.Component,
         scope: Scope,
-        system: SystemElement,
+        system: ssd.SystemElement,
         inner: Scope,
+        key: object,
     ) -> None:
-        """`_replace` by what the component names, known by `key`, unless that is around it."""
-        if key in self.around:
+        """A system in the place of a component, with the connectors that only the latter states,
+        unless it is in that system, known by `key`, itself."""
+        if key in self.entered:
             place = f"{scope.where}: component {'.'.join(path)}"
             raise ExperimentError(f"{place}: {one.source!r} would be a part of itself")
-        self.around.append(key)
-        self._replace(path, one, scope, system, inner)
-        self.around.pop()
-
-    def _replace(
-        self, path: TreePath, one: Component, scope: Scope, system: SystemElement, inner: Scope
-    ) -> None:
-        """A system in the place of a component, with the connectors that only the latter states."""
+        self.entered.append(key)
         known = {c.name for c in system.connectors}
         more = tuple(c for c in one.connectors if c.name not in known)
         merged = replace(system, name=one.name, connectors=(*system.connectors, *more))
         self.add_system(path, merged, inner, tuple((b, scope) for b in one.bindings))
+        self.entered.pop()
 
-    def _referred(self, one: Component, scope: Scope, place: str) -> Scope:
+    def _referred(self, one: ssd.Component, scope: Scope, place: str) -> Scope:
         """The document that a component names, of a package or beside its own."""
         uri, _, fragment = (one.source or "").partition("#")
         path = scope.resolve(uri, place.rpartition(": ")[2])
-        if one.type == SSD_TYPE:
+        if one.type == ssd.SSD_TYPE:
             where = f"{scope.where}: {uri}"
-            structure = binding.read(SystemStructure, read_bytes(path, where), where)
+            structure = binding.read(ssd.SystemStructure, read_bytes(path, where), where)
             return Scope(scope.package, structure, path.parent, where)
         if path not in self.packages:
             self.packages[path] = self.stack.enter_context(open_package(path))
@@ -235,11 +226,11 @@ class _Builder:
         return _scope(package, package.structures[file], file)
 
 
-def _by_id(system: SystemElement, wanted: str) -> SystemElement | None:
+def _by_id(system: ssd.SystemElement, wanted: str) -> ssd.SystemElement | None:
     if system.id == wanted:
         return system
     for one in system.elements:
-        found = _by_id(one, wanted) if isinstance(one, SystemElement) else None
+        found = _by_id(one, wanted) if isinstance(one, ssd.SystemElement) else None
         if found is not None:
             return found
     return None

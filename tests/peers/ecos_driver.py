@@ -23,7 +23,7 @@ def initialised(order: Order) -> Iterator[EcosSimulation]:
         with open_package(order.package) as package:
             system = next(iter(package.structures.values())).system
         bindings = [one for element in system.elements for one in element.bindings]
-        names = [one.values.name for one in bindings if one.values]
+        names = [one.inline.name for one in bindings if one.inline]
         with EcosSimulation(ssp_path=order.package, step_size=order.step) as simulation:
             simulation.init(parameter_set=names[0] if names else None)
             yield simulation

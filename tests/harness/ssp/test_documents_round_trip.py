@@ -67,7 +67,7 @@ CONNECTORS = st.lists(
 BINDINGS = st.lists(
     st.builds(
         ParameterBinding, prefix=TEXT,
-        values=st.none() | st.builds(
+        inline=st.none() | st.builds(
             ParameterSet, version=st.just("1.0"), name=TEXT, parameters=st.tuples(
                 st.builds(Parameter, name=TEXT, value=st.builds(ParameterValue, value=TEXT))
             ),

@@ -1,0 +1,161 @@
+"""Many runs of one experiment that differ in seed and settings, spread over processes."""
+
+from __future__ import annotations
+
+import copy
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain, groupby
+from pathlib import Path
+from typing import TypeVar
+
+from harness.errors import HarnessError, RecordingError
+from harness.experiment.experiment import Experiment, Table
+from harness.experiment.parallel import Workers, given_or_one
+from harness.experiment.schema import FmuSpec
+from harness.process.watchdog import allow
+from harness.results.result import Result
+
+Metrics = Mapping[str, float | None]
+Settings = tuple[tuple[str, float], ...]
+"""Keys of an experiment with their values."""
+T = TypeVar("T")
+
+_CHUNKS = 4  # tasks of a variant that a worker gets, so that progress moves and the load evens out
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run: its name in messages, its seed, and what it changes in the experiment."""
+
+    name: str
+    seed: int
+    settings: Settings = ()
+
+
+Task = tuple[str, tuple[Point, ...]]
+"""A variant and some of its points."""
+
+
+def run_points(
+    experiment: Experiment,
+    variants: Sequence[str],
+    rows: Sequence[Sequence[Point]],
+    figure: Callable[[Metrics | None], T],
+    *,
+    workers: Workers | None,
+    progress: Callable[[float], None] | None,
+) -> dict[str, list[T]]:
+    """The `figure` of the metrics of every point, for each variant; None are the metrics of a run
+    that ended early. Points of a row are run one after the other.
+
+    `workers` None: one process of its own, as any run has; `Workers(1)` runs in this one. A run
+    that kills its process is run again under a supervisor, and has ended early if it does so again.
+    """
+    found: dict[str, dict[Point, T]] = {variant: {} for variant in variants}
+    points = list(chain(*rows))
+    with given_or_one(workers) as crew:
+        stride = min(len(rows), crew.count * _CHUNKS)
+        (variant, first), *others = [
+            (variant, tuple(chain(*rows[start::stride])))
+            for start in range(stride)
+            for variant in variants
+        ]
+        # the first task is a single run, which builds and compiles for all
+        tasks = [(variant, first[:1]), *([(variant, first[1:])] if first[1:] else []), *others]
+        for (variant, some), figures in crew.spread(
+            partial(_run_prepared, experiment, figure),
+            tasks,
+            careful=partial(_run_isolated, experiment, figure),
+        ):
+            found[variant] |= zip(some, figures, strict=True)
+            if progress is not None:
+                progress(sum(map(len, found.values())) / (len(points) * len(found)))
+    return {variant: [own[point] for point in points] for variant, own in found.items()}
+
+
+def _run_prepared(
+    experiment: Experiment, figure: Callable[[Metrics | None], T], task: Task
+) -> list[T]:
+    """What only seeds and start values of FMUs tell apart is prepared once."""
+    variant, points = task
+    spec = experiment.variant_spec(variant)
+    allow(spec.run_limits())
+
+    def prepared_settings(point: Point) -> Settings:
+        return tuple(one for one in point.settings if _variable(one[0], spec.components) is None)
+
+    found = []
+    for settings, some in groupby(points, prepared_settings):
+        with _changed(experiment, variant, settings).prepare(variant) as prepared:
+            for point in some:
+                starts = _start_values(point, spec.components)
+                run = partial(prepared.run, seed=point.seed, start_values=starts)
+                found.append(figure(_metrics(run)))
+    return found
+
+
+def _run_isolated(
+    experiment: Experiment, figure: Callable[[Metrics | None], T], task: Task
+) -> list[T]:
+    """Every run in a worker of its own: one that dies loses its own point only."""
+    variant, points = task
+    found = []
+    for point in points:
+        run = partial(_changed(experiment, variant, point.settings).run, variant, seed=point.seed)
+        found.append(figure(_metrics(run, f"{experiment.label(variant)}, {point.name}")))
+    return found
+
+
+def _metrics(run: Callable[[], Result], warn_of: str = "") -> Metrics | None:
+    try:
+        return dict(run().metrics)
+    except HarnessError as fault:
+        if fault.result is None:
+            raise
+        if warn_of:
+            warnings.warn(f"{warn_of}: {fault}", stacklevel=2)
+        return None
+
+
+def _variable(key: str, components: Mapping[str, object]) -> tuple[str, str] | None:
+    """The FMU and the variable of a key "components.FMU.start_values.VARIABLE"."""
+    match key.split(".", 3):
+        case ["components", name, "start_values", variable]:
+            return (name, variable) if isinstance(components.get(name), FmuSpec) else None
+    return None
+
+
+def _start_values(point: Point, components: Mapping[str, object]) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = {}
+    for key, value in point.settings:
+        if (place := _variable(key, components)) is not None:
+            found.setdefault(place[0], {})[place[1]] = value
+    return found
+
+
+def _changed(experiment: Experiment, variant: str, settings: Settings) -> Experiment:
+    """The experiment with other settings of one variant."""
+    if not settings:
+        return experiment
+    data = copy.deepcopy(experiment.data)
+    for key, value in settings:
+        table: Table = data["variants"][variant] if experiment.spec.variants else data
+        *tables, last = key.split(".")
+        for part in tables:
+            table = table.setdefault(part, {})
+        table[last] = value
+    return Experiment.from_data(data, experiment.path)
+
+
+@contextmanager
+def writing(folder: Path, what: str) -> Iterator[None]:
+    """Makes `folder`; an `OSError` while open becomes a `RecordingError` that begins by `what`."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as fault:
+        raise RecordingError(f"{what}: {fault}") from fault
