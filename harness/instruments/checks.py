@@ -1,49 +1,38 @@
-"""Building an instrument from a kind name and a mapping, and checking its fields, one by one.
+"""What all instruments share: made from the name of a kind and a mapping, checked field by field.
 
-Every fault is an `ExperimentError` of one sentence that names the kind, the key, what was
-expected, what was received and the legal choices.
+The annotation of a field says what is legal: `std: NotNegative`, `end_time: Time | None`. Every
+fault is an `ExperimentError` of one sentence that names the kind, the key, what was expected, what
+was received and the legal choices.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from functools import cache, partial
 from numbers import Real
-from typing import Any, TypeVar
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
 from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
 from harness.instruments.source import SignalSource
 
-T = TypeVar("T")
-
-
-def build(what: str, registry: Mapping[str, type[T]], kind: str, given: Mapping[str, Any]) -> T:
-    """An instance of the class that `registry` holds for `kind`, its fields taken from `given`.
-
-    `what` names the family in errors ("signal", "imperfection"). Lists become tuples.
-    """
-    if not isinstance(kind, str) or kind not in registry:
-        raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), registry)}")
-    chosen = registry[kind]
-    fields = {one.name: one for one in dataclasses.fields(chosen)}  # type: ignore[arg-type]
-    for key in given:
-        if key not in fields:
-            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, fields)}")
-    required = [name for name, one in fields.items() if one.default is dataclasses.MISSING]
-    missing = [name for name in required if name not in given]
-    if missing:
-        raise ExperimentError(
-            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are "
-            f"{', '.join(fields)}"
-        )
-    return chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})
-
 
 def label(owner: object) -> str:
     """How errors name an instrument: its kind."""
     return repr(getattr(owner, "kind", type(owner).__name__))
+
+
+def _refuse(owner: object, name: str, wanted: str) -> None:
+    received = getattr(owner, name)
+    raise ExperimentError(f"{label(owner)}: {name!r} must {wanted}, got {received!r}")
+
+
+def is_number(value: object) -> bool:
+    """Whether `value` is a finite real number (a bool is none)."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def check_number(
@@ -56,56 +45,31 @@ def check_number(
     at_most: float = math.inf,
 ) -> None:
     """Field `name` of `owner` is a finite number within the bounds, else `ExperimentError`."""
-    value = getattr(owner, name)
-    bounds = [
-        f"{word} {bound:g}"
-        for word, bound in (
-            ("above", above),
-            ("below", below),
-            ("at least", at_least),
-            ("at most", at_most),
-        )
-        if math.isfinite(bound)
-    ]
-    legal = is_number(value) and above < value < below and at_least <= value <= at_most
-    if not legal:
-        wanted = " ".join(["a finite number", " and ".join(bounds)]).strip()
-        raise ExperimentError(f"{label(owner)}: {name!r} must be {wanted}, got {value!r}")
-
-
-def is_number(value: object) -> bool:
-    """Whether `value` is a finite real number (a bool is none)."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def check_numbers(owner: object, *names: str) -> None:
-    """Each named field of `owner` is a finite number."""
-    for name in names:
-        check_number(owner, name)
-
-
-def check_time(owner: object, name: str, *, positive: bool = False) -> None:
-    """Field `name` is a time in seconds that int64 nanoseconds hold; `positive`: at least 1 ns."""
-    low = 1e-9 if positive else -LONGEST
-    check_number(owner, name, at_least=low, at_most=LONGEST)
+    value: Any = getattr(owner, name)
+    if not (is_number(value) and above < value < below and at_least <= value <= at_most):
+        bounds = {"above": above, "below": below, "at least": at_least, "at most": at_most}
+        finite = [f"{word} {bound:g}" for word, bound in bounds.items() if math.isfinite(bound)]
+        _refuse(owner, name, f"be a finite number {' and '.join(finite)}".strip())
 
 
 def check_whole(owner: object, name: str, low: int, high: int) -> None:
     """Field `name` is a whole number from `low` to `high`."""
     value = getattr(owner, name)
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise ExperimentError(
-            f"{label(owner)}: {name!r} must be a whole number from {low} to {high}, got {value!r}"
-        )
+        _refuse(owner, name, f"be a whole number from {low} to {high}")
 
 
-def check_choice(owner: object, name: str, *legal: str) -> None:
+def check_choice(owner: object, name: str, *, legal: tuple[str, ...]) -> None:
     """Field `name` is one of `legal`."""
-    value = getattr(owner, name)
-    if value not in legal:
-        raise ExperimentError(
-            f"{label(owner)}: {name!r} must be one of {', '.join(map(repr, legal))}, got {value!r}"
-        )
+    if getattr(owner, name) not in legal:
+        _refuse(owner, name, f"be one of {', '.join(map(repr, legal))}")
+
+
+def check_order(owner: object, low: str, high: str) -> None:
+    """Field `high` is not less than field `low`."""
+    least = getattr(owner, low)
+    if getattr(owner, high) < least:
+        _refuse(owner, high, f"not be below {low!r} {least!r}")
 
 
 def check_signal(owner: object, value: object) -> None:
@@ -117,19 +81,97 @@ def check_signal(owner: object, value: object) -> None:
         )
 
 
-def check_unit(owner: object) -> None:
-    """Field `unit` is a unit string, or None for the unit of the port that is wired."""
-    value = getattr(owner, "unit", None)
+def _check_signal_field(owner: object, name: str) -> None:
+    check_signal(owner, getattr(owner, name))
+
+
+def _check_unit(owner: object, name: str) -> None:
+    value = getattr(owner, name)
     if value is not None and not (isinstance(value, str) and value):
-        raise ExperimentError(
-            f"{label(owner)}: 'unit' must be a unit such as 'N' or 'm/s', got {value!r}"
-        )
+        _refuse(owner, name, "be a unit such as 'N' or 'm/s'")
 
 
 def check_one_of(owner: object, first: str, second: str) -> None:
     """Exactly one of two fields is given (the other is None)."""
-    if (getattr(owner, first) is None) == (getattr(owner, second) is None):
+    given = getattr(owner, first), getattr(owner, second)
+    if (given[0] is None) == (given[1] is None):
         raise ExperimentError(
-            f"{label(owner)}: give either {first!r} or {second!r}, got "
-            f"{getattr(owner, first)!r} and {getattr(owner, second)!r}"
+            f"{label(owner)}: give either {first!r} or {second!r}, got {given[0]!r} and "
+            f"{given[1]!r}"
         )
+
+
+Number = Annotated[float, check_number]
+NotNegative = Annotated[float, partial(check_number, at_least=0.0)]
+Positive = Annotated[float, partial(check_number, above=0.0)]
+Probability = Annotated[float, partial(check_number, at_least=0.0, at_most=1.0)]
+Time = Annotated[float, partial(check_number, at_least=-LONGEST, at_most=LONGEST)]
+"""Seconds that int64 nanoseconds hold."""
+Duration = Annotated[float, partial(check_number, at_least=1e-9, at_most=LONGEST)]
+"""The same, at least 1 ns."""
+Signals = Annotated[SignalSource, _check_signal_field]
+UnitName = Annotated[str | None, _check_unit]
+"""A unit, None for that of the port that is wired."""
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """Data whose fields are checked when it is made; a subclass with a `kind` is known by it."""
+
+    kind: ClassVar[str]
+    kinds: ClassVar[dict[str, type[Any]]]
+
+    def __init_subclass__(cls, kind: str = "") -> None:
+        if kind:
+            cls.kind = kind
+            cls.kinds[kind] = cls
+
+    def __post_init__(self) -> None:
+        """Checks every field as its annotation says; None where the annotation allows it."""
+        for name, check, optional in _checks(type(self)):
+            if not (optional and getattr(self, name) is None):
+                check(self, name)
+
+
+@dataclass(frozen=True)
+class Signal(Instrument):
+    """A signal of this package; it meets `SignalSource`."""
+
+    kinds: ClassVar[dict[str, type[Any]]] = {}
+    unit: UnitName = field(default=None, kw_only=True)
+
+
+@cache
+def _checks(kind: Any) -> list[tuple[str, Callable[[object, str], None], bool]]:
+    """Field, check and whether None passes, as the annotations of a class say."""
+    options = {
+        name: get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        for name, hint in get_type_hints(kind, include_extras=True).items()
+    }
+    return [
+        (name, check, NoneType in given)
+        for name, given in options.items()
+        for one in given
+        for check in getattr(one, "__metadata__", ())
+    ]
+
+
+def build(what: str, family: type[Instrument], kind: str, given: Mapping[str, Any]) -> Any:
+    """An instance of the class of the `family` for `kind`, its fields taken from `given`.
+
+    `what` names the family in errors ("signal", "imperfection"). Lists become tuples.
+    """
+    if not isinstance(kind, str) or kind not in family.kinds:
+        raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), family.kinds)}")
+    chosen = family.kinds[kind]
+    known = {one.name: one for one in sorted(fields(chosen), key=lambda one: bool(one.kw_only))}
+    for key in given:
+        if key not in known:
+            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, known)}")
+    missing = [name for name, one in known.items() if one.default is MISSING and name not in given]
+    if missing:
+        raise ExperimentError(
+            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are "
+            f"{', '.join(known)}"
+        )
+    return chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})

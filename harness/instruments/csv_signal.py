@@ -12,19 +12,20 @@ import csv
 import os
 import re
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.random import SeedSequence
 
 from harness.clock import LONGEST, NANOSECONDS
 from harness.errors import ExperimentError, nearest
-from harness.instruments.checks import check_choice, check_unit, label
-from harness.instruments.source import PureSampler, Sampler, Times, Values
+from harness.instruments.checks import Signal, check_choice, label
+from harness.instruments.source import FunctionSampler, Sampler, Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
+Interpolation = Annotated[str, partial(check_choice, legal=("hold", "linear"))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,24 +163,21 @@ def _header(path: Path) -> tuple[tuple[str, ...], int, str]:
 
 
 @dataclass(frozen=True)
-class CsvSignal:
+class CsvSignal(Signal, kind="csv"):
     """Column `column` of the CSV file `file`, held between rows or interpolated (`hold`,
     `linear`); the first value holds before the first row, the last one after the last."""
 
-    kind: ClassVar[str] = "csv"
     file: str | os.PathLike[str]
     column: str
-    interpolation: str = "hold"
-    unit: str | None = None
+    interpolation: Interpolation = "hold"
 
     def __post_init__(self) -> None:
         """Checks every field."""
+        super().__post_init__()
         if not isinstance(self.file, str | os.PathLike) or not Path(self.file).is_file():
             raise ExperimentError(f"{label(self)}: 'file' is no existing file: {self.file!r}")
         if not isinstance(self.column, str):
             raise ExperimentError(f"{label(self)}: 'column' must be a name, got {self.column!r}")
-        check_choice(self, "interpolation", "hold", "linear")
-        check_unit(self)
         self._rows  # noqa: B018  (a file with a fault is reported here, not in the run)
 
     @cached_property
@@ -201,4 +199,4 @@ class CsvSignal:
             share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
             return values[left] + share * (values[right] - values[left])
 
-        return PureSampler(hold if self.interpolation == "hold" else linear)
+        return FunctionSampler(hold if self.interpolation == "hold" else linear)

@@ -15,7 +15,7 @@ from harness import Bench, Fmu, simulate
 from harness.fmi.start_values import apply_start_values, judge_start_values
 from harness.inspection.motion import motion_of
 from harness.inspection.subject import Subject
-from harness.instruments.source import PureSampler
+from harness.instruments.source import FunctionSampler
 from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
 from tests.every_way.plain_driver import drive
@@ -31,10 +31,10 @@ class Staircase:
     steps: Steps
     unit: str | None = None
 
-    def sampler(self, seed: Any) -> PureSampler:
+    def sampler(self, seed: Any) -> FunctionSampler:
         times = np.array([t for t, _ in self.steps])
         values = np.array([float(v) for _, v in self.steps])
-        return PureSampler(lambda ns: values[np.searchsorted(times, ns, side="right") - 1])
+        return FunctionSampler(lambda ns: values[np.searchsorted(times, ns, side="right") - 1])
 
 
 def _at(steps: Steps, seconds: float) -> Any:
