@@ -128,7 +128,8 @@ class Instrument:
 
     def __post_init__(self) -> None:
         """Checks every field as its annotation says; None where the annotation allows it."""
-        for name, check, optional in _checks(type(self)):
+        kind: Any = type(self)
+        for name, check, optional in _checks(kind):
             if not (optional and getattr(self, name) is None):
                 check(self, name)
 
