@@ -140,7 +140,7 @@ def _run(
 def _study(loaded: Experiment, folder: Path, jobs: int) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
-    from harness.results.whole import check_free
+    from harness.results.atomic import check_free
 
     check_free(folder, "study.csv")
     with bar() as shown:
@@ -157,7 +157,7 @@ def _sweep(
 ) -> Iterator[Path]:
     from harness.experiment.parallel import Workers
     from harness.experiment.sweep import run_sweep, write_sweep
-    from harness.results.whole import check_free
+    from harness.results.atomic import check_free
 
     check_free(folder, "regions.csv")
     with bar() as shown:

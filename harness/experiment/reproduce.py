@@ -14,8 +14,8 @@ from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, Study, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
+from harness.results.atomic import atomic_write
 from harness.results.result import Result
-from harness.results.whole import whole
 
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
@@ -199,7 +199,7 @@ def update_readme(reproduction: Reproduction) -> Path:
             text = _filled(path, text, STUDIES, markdown(study_rows(reproduction)))
         if any(e.regions for e in reproduction.evidence.values()):
             text = _filled(path, text, REGIONS, markdown(region_rows(reproduction)))
-        with whole(path) as partial:
+        with atomic_write(path) as partial:
             partial.write_text(text, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be updated: {fault}") from fault
@@ -256,7 +256,7 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
     )
     try:
         output.mkdir(parents=True, exist_ok=True)
-        with whole(path) as partial:
+        with atomic_write(path) as partial:
             partial.write_text(page, encoding="utf-8")
     except OSError as fault:
         raise RecordingError(f"{path} cannot be written: {fault}") from fault

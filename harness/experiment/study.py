@@ -21,8 +21,8 @@ from harness.errors import ExperimentError, HarnessError, RecordingError
 from harness.experiment.experiment import Experiment, PreparedVariant
 from harness.experiment.parallel import Workers, given_or_one
 from harness.process.watchdog import allow
+from harness.results.atomic import atomic_write
 from harness.results.intervals import PairedDifference, Share, paired_difference, share
-from harness.results.whole import whole
 
 Metrics = Mapping[str, float | None]
 Task = tuple[str, tuple[int, ...]]
@@ -72,7 +72,7 @@ class Study:
         path = folder / "study.csv"
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            with whole(path) as partial:
+            with atomic_write(path) as partial:
                 self.frame().to_csv(partial, index=False)
         except OSError as fault:
             raise RecordingError(f"{path} cannot be written: {fault}") from fault

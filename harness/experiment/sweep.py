@@ -25,9 +25,9 @@ from harness.experiment.experiment import Experiment, Table
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import AxisSpec, FmuSpec, SweepSpec
 from harness.process.watchdog import allow
+from harness.results.atomic import atomic_write
 from harness.results.plots import axis_label
 from harness.results.result import Result
-from harness.results.whole import whole
 
 _CHUNKS = 8  # tasks a process gets, so that progress moves and the load evens out
 
@@ -227,9 +227,9 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
     picture, table = folder / "regions.png", folder / "regions.csv"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with whole(picture) as partial:
+        with atomic_write(picture) as partial:
             region_plot(experiment, regions).savefig(partial)
-        with whole(table) as partial, partial.open("w", encoding="utf-8") as file:
+        with atomic_write(table) as partial, partial.open("w", encoding="utf-8") as file:
             file.write("variant,x,y,outcome,inside\n")
             for variant, region in regions.items():
                 for i, y in enumerate(region.spec.y.values):

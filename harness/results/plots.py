@@ -18,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.errors import RecordingError, UsageError
-from harness.results.whole import whole
+from harness.results.atomic import atomic_write
 
 if TYPE_CHECKING:
     from harness.results.result import Result
@@ -223,7 +223,7 @@ def save_figure(path: Path, figure: Figure) -> Path:
     missing; raises `RecordingError`."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole(path) as partial:
+        with atomic_write(path) as partial:
             figure.savefig(partial)
     except (OSError, ValueError) as fault:
         raise RecordingError(f"cannot write the figure {path}: {fault}") from fault

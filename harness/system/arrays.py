@@ -35,12 +35,10 @@ def _expanded(
     arrays = [variable for variable in found if variable is not None and variable.shape]
     if len(arrays) < 2 or arrays[0].shape != arrays[1].shape:
         yield connection
-    else:
-        source, target = arrays
-        pairs = zip(element_names(source), element_names(target), strict=True)
-        for one, other in pairs:
-            yield replace(
-                connection,
-                source=Endpoint(connection.source.component, one),
-                target=Endpoint(connection.target.component, other),
-            )
+        return
+    for one, other in zip(*(element_names(v.name, v.shape) for v in arrays), strict=True):
+        yield replace(
+            connection,
+            source=Endpoint(connection.source.component, one),
+            target=Endpoint(connection.target.component, other),
+        )
