@@ -157,22 +157,21 @@ def _checks(kind: Any) -> list[tuple[str, Callable[[object, str], None], bool]]:
     ]
 
 
-def build(what: str, family: type[Instrument], kind: str, given: Mapping[str, Any]) -> Any:
-    """An instance of the class of the `family` for `kind`, its fields taken from `given`.
+def build(what: str, known: Mapping[str, type[Any]], kind: str, given: Mapping[str, Any]) -> Any:
+    """An instance of the class that `known` holds for `kind`, its fields taken from `given`.
 
     `what` names the family in errors ("signal", "imperfection"). Lists become tuples.
     """
-    if not isinstance(kind, str) or kind not in family.kinds:
-        raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), family.kinds)}")
-    chosen = family.kinds[kind]
-    known = {one.name: one for one in sorted(fields(chosen), key=lambda one: bool(one.kw_only))}
+    if not isinstance(kind, str) or kind not in known:
+        raise ExperimentError(f"unknown {what} kind {kind!r}: {nearest(str(kind), known)}")
+    chosen = known[kind]
+    keys = {one.name: one for one in sorted(fields(chosen), key=lambda one: bool(one.kw_only))}
     for key in given:
-        if key not in known:
-            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, known)}")
-    missing = [name for name, one in known.items() if one.default is MISSING and name not in given]
+        if key not in keys:
+            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, keys)}")
+    missing = [name for name, one in keys.items() if one.default is MISSING and name not in given]
     if missing:
         raise ExperimentError(
-            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are "
-            f"{', '.join(known)}"
+            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are {', '.join(keys)}"
         )
     return chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})

@@ -281,5 +281,5 @@ def make_imperfection(kind: str, parameters: Mapping[str, Any]) -> Imperfection:
     key, or a value out of its bounds.
     """
     given = with_signals(kind, parameters)
-    made: Imperfection = build("imperfection", WireInstrument, kind, given)
+    made: Imperfection = build("imperfection", IMPERFECTIONS, kind, given)
     return made

@@ -21,7 +21,7 @@ def make_signal(kind: str, parameters: Mapping[str, Any]) -> SignalSource:
     Raises `ExperimentError` naming an unknown kind or key with the nearest legal ones, a missing
     key, or a value out of its bounds.
     """
-    made: SignalSource = build("signal", Signal, kind, with_signals(kind, parameters))
+    made: SignalSource = build("signal", SIGNALS, kind, with_signals(kind, parameters))
     return made
 
 
