@@ -55,12 +55,8 @@ class StepMetrics:
 
     def as_dict(self) -> dict[str, float | None]:
         """The figures by name, flat, for tables and files; `lost_loop` as 0 or 1."""
-        own = {
-            "delay_time": self.delay_time,
-            "rise_time": self.rise_time,
-            "overshoot": self.overshoot,
-            "settling_time": self.settling_time,
-        }
+        names = ("delay_time", "rise_time", "overshoot", "settling_time")
+        own = {name: getattr(self, name) for name in names}
         return own | {k: float(v) for k, v in dataclasses.asdict(self.tracking).items()}
 
 
@@ -107,29 +103,6 @@ def tracking_metrics(
     )
 
 
-def step_metrics(
-    time: Array,
-    reference: Array,
-    response: Array,
-    control: Array,
-    *,
-    band: float = 0.02,
-    window: float = 0.1,
-) -> StepMetrics:
-    """The metrics of a reference with one step.
-
-    A reference that is constant throughout counts as a step at the first sample, from the
-    response found there. Raises `UsageError` where the reference has several steps
-    (`segment_metrics` takes those) or none.
-    """
-    found = segment_metrics(time, reference, response, control, band=band, window=window)
-    if len(found) != 1:
-        raise UsageError(
-            f"the reference has {len(found)} steps where one was expected; use segment_metrics"
-        )
-    return found[0]
-
-
 def segment_metrics(
     time: Array,
     reference: Array,
@@ -142,7 +115,9 @@ def segment_metrics(
     """The metrics of each step of the reference, each from its step to the sample before the next.
 
     What comes before the first change of the reference belongs to no step, except where the
-    response starts elsewhere than the reference: then that is the first step.
+    response starts elsewhere than the reference: then that is the first step. So a reference that
+    is constant throughout counts as a step at the first sample. Raises `UsageError` for a reference
+    that is no sequence of steps.
     """
     check_arrays(time, reference=reference, response=response, control=control)
     made = []

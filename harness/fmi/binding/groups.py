@@ -95,11 +95,3 @@ class VariableGroup:
             ) from fault
         self._call("Set")
         del kept
-
-
-def grouped(instance: FmuInstance, variables: Sequence[Variable]) -> list[VariableGroup]:
-    """One group for each pair of get and set functions, in the order of first appearance."""
-    kinds: dict[str, list[Variable]] = {}
-    for variable in variables:
-        kinds.setdefault(instance.accessor(variable)[0], []).append(variable)
-    return [VariableGroup(instance, members) for members in kinds.values()]
