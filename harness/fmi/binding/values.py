@@ -160,19 +160,3 @@ def _whole(variable: Variable, word: str) -> int:
 def item_names(variable: Variable) -> str:
     """The items of an enumeration with their numbers, for a sentence; "" where there are none."""
     return ", ".join(f"{number} {name!r}" for number, name in variable.details.items[:12])
-
-
-def plain_accessor(variable: Variable, boolean: Any, fmi_major: int) -> tuple[str, Any]:
-    """Suffix of the get and set functions of FMI 1 and 2 for a variable's type, and its C type;
-    `boolean` is that of a Boolean. Raises `FmuError` for a type that the version does not know."""
-    if variable.type in REAL_TYPES:
-        return "Real", ctypes.c_double
-    if variable.type in INTEGER_TYPES:
-        return "Integer", ctypes.c_int
-    if variable.type == "Boolean":
-        return "Boolean", boolean
-    if variable.type == "String":
-        return "String", ctypes.c_char_p
-    raise FmuError(
-        f"variable {variable.name!r} has type {variable.type}, unknown in FMI {fmi_major}"
-    )
