@@ -10,27 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.system.block import Array, KernelBlock, Port
-
-
-def delay_step(p: Array, x: Array, u: Array, y: Array) -> None:
-    """p = (depth,), x = (next place, ring of `depth` values)."""
-    depth = int(p[0])
-    if depth == 0:
-        y[0] = u[0]
-    else:
-        place = int(x[0])
-        y[0] = x[1 + place]
-        x[1 + place] = u[0]
-        x[0] = float((place + 1) % depth)
+from harness.instruments.imperfection_steps import delay_step, pass_step
+from harness.system.block import KernelBlock, Port
 
 
 def delay_block(depth: int) -> KernelBlock:
-    """A delay of `depth` executions."""
-    return KernelBlock(
-        inputs=(Port("in"),),
-        outputs=(Port("out"),),
-        step=delay_step,
-        parameters=np.array([float(depth)]),
-        state=np.zeros(1 + depth),
-    )
+    """A delay of `depth` executions; its state is the next place and a ring of `depth` values."""
+    step = delay_step if depth else pass_step
+    return KernelBlock((Port("in"),), (Port("out"),), step, state=np.zeros(1 + depth))
