@@ -12,7 +12,7 @@ from typing import Any
 
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Capabilities
-from harness.fmi.description.numbers import real, true, whole
+from harness.fmi.description.numbers import boolean, integer, real
 from harness.fmi.wording import has_control_characters
 
 _OF_ALL = {
@@ -94,19 +94,19 @@ def capabilities(root: Any, major: int, kind: str, faults: list[Fault]) -> Capab
     judge_name(named, "modelIdentifier", faults, of_file=True)
     stated: Mapping[str, str] = {} if element is None else element.attrib
     found: dict[str, Any] = {
-        field: any(true(stated.get(_spelled(name, major))) for name in attributes)
+        field: any(boolean(stated.get(_spelled(name, major))) for name in attributes)
         for field, attributes in (_OF_ALL | _OF_STEPS if steps else _OF_ALL).items()
     }
     if steps:
-        found |= {field: whole(stated.get(name)) or 0 for field, name in _ORDERS.items()}
+        found |= {field: integer(stated.get(name)) or 0 for field, name in _ORDERS.items()}
         if major > 1:
             step = _judged(element, "fixedInternalStepSize", 0.0, faults)
             found["fixed_internal_step_size"] = step
     if kind == "ModelExchange" and major == 2:
-        completed = not true(stated.get("completedIntegratorStepNotNeeded"))
+        completed = not boolean(stated.get("completedIntegratorStepNotNeeded"))
         found["needs_completed_integrator_step"] = completed
     elif kind == "ModelExchange" and major == 3:
-        completed = true(stated.get("needsCompletedIntegratorStep"))
+        completed = boolean(stated.get("needsCompletedIntegratorStep"))
         found["needs_completed_integrator_step"] = completed
     if major == 1:
         tool = root.find("Implementation/CoSimulation_Tool")

@@ -9,7 +9,7 @@ from typing import Any
 from harness.fmi.description.entries import Entry
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Unknown, Variable
-from harness.fmi.description.numbers import whole
+from harness.fmi.description.numbers import integer
 from harness.fmi.wording import shorten
 
 _KINDS = {
@@ -28,7 +28,7 @@ def read_unknowns(
     for kind, element in _elements(root, major):
 
         def named(text: str | None, line: int = element.sourceline or 0) -> str | None:
-            found = numbered.get(-1 if whole(text) is None else int(text or ""))
+            found = numbered.get(-1 if integer(text) is None else int(text or ""))
             if found is None:
                 what, known = shorten(str(text)), f"has the numbers 1 to {len(numbered)}"
                 wrong = f"refers to variable number {what} in its ModelStructure, but {known}"
