@@ -8,6 +8,7 @@ was received and the legal choices.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache, partial
@@ -15,9 +16,11 @@ from numbers import Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
+from numpy.random import SeedSequence
+
 from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
-from harness.instruments.source import SignalSource
+from harness.instruments.source import FunctionSampler, Sampler, SignalSource, Times, Values
 
 
 def label(owner: object) -> str:
@@ -140,6 +143,18 @@ class Signal(Instrument):
 
     kinds: ClassVar[dict[str, type[Any]]] = {}
     unit: UnitName = field(default=None, kw_only=True)
+
+
+class Waveform(Signal):
+    """A signal without memory or chance: the values of `at` depend on their own instants only."""
+
+    @abstractmethod
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory; the seed is not used."""
+        return FunctionSampler(self.at)
 
 
 @cache

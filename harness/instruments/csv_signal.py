@@ -17,12 +17,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.random import SeedSequence
 
 from harness.clock import LONGEST, NANOSECONDS
 from harness.errors import ExperimentError, nearest
-from harness.instruments.checks import Signal, check_choice, label
-from harness.instruments.source import FunctionSampler, Sampler, Times, Values
+from harness.instruments.checks import Waveform, check_choice, label
+from harness.instruments.source import Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
 Interpolation = Annotated[str, partial(check_choice, legal=("hold", "linear"))]
@@ -163,7 +162,7 @@ def _header(path: Path) -> tuple[tuple[str, ...], int, str]:
 
 
 @dataclass(frozen=True)
-class CsvSignal(Signal, kind="csv"):
+class CsvSignal(Waveform, kind="csv"):
     """Column `column` of the CSV file `file`, held between rows or interpolated (`hold`,
     `linear`); the first value holds before the first row, the last one after the last."""
 
@@ -185,18 +184,14 @@ class CsvSignal(Signal, kind="csv"):
         table = read_csv_table(Path(self.file))
         return table.times_ns, table.column(self.column)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         times, values = self._rows
-
-        def hold(times_ns: Times) -> Values:
-            return values[np.maximum(np.searchsorted(times, times_ns, "right") - 1, 0)]
-
-        def linear(times_ns: Times) -> Values:
-            after = np.searchsorted(times, times_ns, "right")
-            left, right = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
-            gap = np.maximum(times[right] - times[left], 1)
-            share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
-            return values[left] + share * (values[right] - values[left])
-
-        return FunctionSampler(hold if self.interpolation == "hold" else linear)
+        after = np.searchsorted(times, times_ns, "right")
+        left = np.maximum(after - 1, 0)
+        if self.interpolation == "hold":
+            return values[left]
+        right = np.minimum(after, len(times) - 1)
+        gap = np.maximum(times[right] - times[left], 1)
+        share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
+        return values[left] + share * (values[right] - values[left])

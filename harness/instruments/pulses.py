@@ -17,6 +17,7 @@ from harness.instruments.checks import (
     Number,
     Signal,
     Time,
+    Waveform,
     check_number,
     check_whole,
     label,
@@ -49,7 +50,7 @@ RegisterOrder = Annotated[
 
 
 @dataclass(frozen=True)
-class Pulse(Signal, kind="pulse"):
+class Pulse(Waveform, kind="pulse"):
     """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
     seconds where one is given."""
 
@@ -68,22 +69,18 @@ class Pulse(Signal, kind="pulse"):
                 f"got {self.width!r}"
             )
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
         period = None if self.period is None else nearest_nanosecond(self.period)
         low, high = float(self.bias), float(self.bias + self.amplitude)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = times_ns - start
-            within = elapsed if period is None else elapsed % period
-            return np.where((elapsed >= 0) & (within < width), high, low)
-
-        return FunctionSampler(values)
+        elapsed = times_ns - start
+        within = elapsed if period is None else elapsed % period
+        return np.where((elapsed >= 0) & (within < width), high, low)
 
 
 @dataclass(frozen=True)
-class Square(Signal, kind="square"):
+class Square(Waveform, kind="square"):
     """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
     the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
 
@@ -93,18 +90,14 @@ class Square(Signal, kind="square"):
     start_time: Time = 0.0
     bias: Number = 0.0
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
         width = nearest_nanosecond(self.duty * self.period)
         low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = times_ns - start
-            waves = np.where(elapsed % period < width, high, low)
-            return np.where(elapsed >= 0, waves, float(self.bias))
-
-        return FunctionSampler(values)
+        elapsed = times_ns - start
+        waves = np.where(elapsed % period < width, high, low)
+        return np.where(elapsed >= 0, waves, float(self.bias))
 
 
 def maximal_length_bits(order: int) -> NDArray[np.int8]:

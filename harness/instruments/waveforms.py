@@ -5,12 +5,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
-from itertools import pairwise
+from functools import cached_property, partial
 from typing import Annotated
 
 import numpy as np
-from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond, seconds_of
 from harness.errors import ExperimentError
@@ -18,48 +16,48 @@ from harness.instruments.checks import (
     Duration,
     NotNegative,
     Number,
-    Signal,
     Time,
+    Waveform,
     check_choice,
     check_number,
     check_one_of,
     is_number,
     label,
 )
-from harness.instruments.source import FunctionSampler, Sampler, Times, Values
+from harness.instruments.source import Times, Values
 
 TWO_PI = 2.0 * math.pi
 Sweep = Annotated[str, partial(check_choice, legal=("linear", "logarithmic"))]
 
 
 @dataclass(frozen=True)
-class Constant(Signal, kind="constant"):
+class Constant(Waveform, kind="constant"):
     """The same `value` at every instant."""
 
     value: Number
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        return FunctionSampler(lambda times_ns: np.full(len(times_ns), float(self.value)))
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        return np.full(len(times_ns), float(self.value))
 
 
 @dataclass(frozen=True)
-class Step(Signal, kind="step"):
+class Step(Waveform, kind="step"):
     """`initial` before `time` (s), `final` at it and after."""
 
     final: Number
     time: Time = 0.0
     initial: Number = 0.0
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         edge = nearest_nanosecond(self.time)
         low, high = float(self.initial), float(self.final)
-        return FunctionSampler(lambda times_ns: np.where(times_ns >= edge, high, low))
+        return np.where(times_ns >= edge, high, low)
 
 
 @dataclass(frozen=True)
-class MultiStep(Signal, kind="multi_step"):
+class MultiStep(Waveform, kind="multi_step"):
     """`values[i]` from `times[i]` (s) on, `initial` before the first of them."""
 
     times: tuple[float, ...]
@@ -78,23 +76,26 @@ class MultiStep(Signal, kind="multi_step"):
                 f"{label(self)}: 'times' and 'values' must be of one length, at least 1, got "
                 f"{len(self.times)} and {len(self.values)}"
             )
-        if any(later <= earlier for earlier, later in pairwise(self._edges())):
+        if np.any(np.diff(self._edges) <= 0):
             raise ExperimentError(
                 f"{label(self)}: 'times' must increase by at least 1 ns, got {self.times!r}"
             )
 
-    def _edges(self) -> list[int]:
-        return list(map(nearest_nanosecond, self.times))
+    @cached_property
+    def _edges(self) -> Times:
+        return np.array(list(map(nearest_nanosecond, self.times)), dtype=np.int64)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        edges = np.array(self._edges(), dtype=np.int64)
-        levels = np.array([self.initial, *self.values], dtype=np.float64)
-        return FunctionSampler(lambda times_ns: levels[np.searchsorted(edges, times_ns, "right")])
+    @cached_property
+    def _levels(self) -> Values:
+        return np.array([self.initial, *self.values], dtype=np.float64)
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        return self._levels[np.searchsorted(self._edges, times_ns, "right")]
 
 
 @dataclass(frozen=True)
-class Ramp(Signal, kind="ramp"):
+class Ramp(Waveform, kind="ramp"):
     """`initial` until `start_time` (s), then rising by `slope` a second, held from `end_time` on
     where one is given."""
 
@@ -112,20 +113,16 @@ class Ramp(Signal, kind="ramp"):
                 f"{self.start_time!r}, got {self.end_time!r}"
             )
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start = nearest_nanosecond(self.start_time)
         end = None if self.end_time is None else nearest_nanosecond(self.end_time)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = np.clip(times_ns, start, end) - start
-            return self.initial + self.slope * seconds_of(elapsed)
-
-        return FunctionSampler(values)
+        elapsed = np.clip(times_ns, start, end) - start
+        return self.initial + self.slope * seconds_of(elapsed)
 
 
 @dataclass(frozen=True)
-class Sine(Signal, kind="sine"):
+class Sine(Waveform, kind="sine"):
     """bias + amplitude·sin(2π·frequency·t + phase), phase in rad; the frequency is given either
     as `frequency` in Hz or as `angular_frequency` in rad/s."""
 
@@ -140,21 +137,17 @@ class Sine(Signal, kind="sine"):
         super().__post_init__()
         check_one_of(self, "frequency", "angular_frequency")
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         omega = self.angular_frequency
         if omega is None:
             assert self.frequency is not None
             omega = TWO_PI * self.frequency
-
-        def values(times_ns: Times) -> Values:
-            return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
-
-        return FunctionSampler(values)
+        return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
 
 
 @dataclass(frozen=True)
-class Chirp(Signal, kind="chirp"):
+class Chirp(Waveform, kind="chirp"):
     """bias + amplitude·sin(φ(τ) + phase), τ = t − start_time, whose frequency φ'/2π goes from
     `start_frequency` f0 to `end_frequency` f1 (Hz) over `duration` T (s).
 
@@ -192,12 +185,8 @@ class Chirp(Signal, kind="chirp"):
             cycles = f0 * T / rate * np.expm1(rate * tau / T)
         return TWO_PI * (cycles + f1 * after)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start = nearest_nanosecond(self.start_time)
-
-        def values(times_ns: Times) -> Values:
-            angle = self.angle(seconds_of(times_ns - start))
-            return self.bias + self.amplitude * np.sin(angle + self.phase)
-
-        return FunctionSampler(values)
+        angle = self.angle(seconds_of(times_ns - start))
+        return self.bias + self.amplitude * np.sin(angle + self.phase)

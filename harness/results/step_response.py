@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 SHORTEST_SEGMENT = 3  # samples; a reference that moves more often is no sequence of steps
 
 
+def _figure(unit: str) -> Any:
+    """A field in a unit that may depend on those of the response, y, and of the control, u."""
+    return field(metadata={"unit": unit})
+
+
 @dataclass(frozen=True)
 class TrackingMetrics:
     """What can be said for any reference; definitions in `harness.results.metrics`.
@@ -25,16 +30,16 @@ class TrackingMetrics:
     response times s; control figures in the unit of the control.
     """
 
-    steady_state_mean: float
-    steady_state_rms: float
-    steady_state_max: float
-    iae: float
-    ise: float
-    itae: float
-    control_effort: float
-    control_rms: float
-    actuator_travel: float
-    lost_loop: bool
+    steady_state_mean: float = _figure("%")
+    steady_state_rms: float = _figure("%")
+    steady_state_max: float = _figure("%")
+    iae: float = _figure("{y}·s")
+    ise: float = _figure("{y}²·s")
+    itae: float = _figure("{y}·s²")
+    control_effort: float = _figure("{u}²·s")
+    control_rms: float = _figure("{u}")
+    actuator_travel: float = _figure("{u}")
+    lost_loop: bool = _figure("0 or 1")
 
 
 @dataclass(frozen=True)
@@ -47,36 +52,24 @@ class StepMetrics:
     initial: float
     final: float
     band: float
-    delay_time: float | None
-    rise_time: float | None
-    overshoot: float
-    settling_time: float | None
     tracking: TrackingMetrics
+    delay_time: float | None = _figure("s")
+    rise_time: float | None = _figure("s")
+    overshoot: float = _figure("%")
+    settling_time: float | None = _figure("s")
 
     def as_dict(self) -> dict[str, float | None]:
         """The figures by name, flat, for tables and files; `lost_loop` as 0 or 1."""
-        names = ("delay_time", "rise_time", "overshoot", "settling_time")
-        own = {name: getattr(self, name) for name in names}
-        return own | {k: float(v) for k, v in dataclasses.asdict(self.tracking).items()}
+        own = {one.name: getattr(self, one.name) for one in fields(self) if one.metadata}
+        return own | {name: float(value) for name, value in asdict(self.tracking).items()}
 
 
 def metric_units(response_unit: str, control_unit: str) -> dict[str, str]:
     """The unit of each name in `StepMetrics.as_dict`."""
     return {
-        "delay_time": "s",
-        "rise_time": "s",
-        "overshoot": "%",
-        "settling_time": "s",
-        "steady_state_mean": "%",
-        "steady_state_rms": "%",
-        "steady_state_max": "%",
-        "iae": f"{response_unit}·s",
-        "ise": f"{response_unit}²·s",
-        "itae": f"{response_unit}·s²",
-        "control_effort": f"{control_unit}²·s",
-        "control_rms": control_unit,
-        "actuator_travel": control_unit,
-        "lost_loop": "0 or 1",
+        one.name: one.metadata["unit"].format(y=response_unit, u=control_unit)
+        for one in (*fields(StepMetrics), *fields(TrackingMetrics))
+        if one.metadata
     }
 
 

@@ -65,25 +65,22 @@ class Fmi1Instance(Fmi1Or2Instance):
         self._times: tuple[float, float | None, float | None] = (0.0, None, None)
         self._first: DiscreteStates | None = None
         register_name(self.name, self.log)
-        allocate, release = memory()
+        callbacks = (variadic_logger(), *memory())
         s, p, i8 = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_int8
-        name, token = self.name.encode(), self.description.token.encode()
+        named = self.name.encode(), self.description.token.encode()
         handle: int | None
         if self.interface_type == CO_SIMULATION:
             self.free_function = "FreeSlaveInstance"
-            slave = _SlaveCallbacks(variadic_logger(), allocate, release, None)
             function = ctypes.CFUNCTYPE(
                 p, s, s, s, s, ctypes.c_double, i8, i8, _SlaveCallbacks, i8
             )(self.address("InstantiateSlave"))  # fmt: skip
-            location = folder.as_uri().encode()
-            handle = function(
-                name, token, location, _MIME_TYPE, _TIMEOUT, 0, 0, slave, int(logging)
-            )
+            place = folder.as_uri().encode(), _MIME_TYPE
+            slave = _SlaveCallbacks(*callbacks, None)
+            handle = function(*named, *place, _TIMEOUT, 0, 0, slave, int(logging))
         else:
             self.free_function = "FreeModelInstance"
-            model = _ModelCallbacks(variadic_logger(), allocate, release)
             build = ctypes.CFUNCTYPE(p, s, s, _ModelCallbacks, i8)(self.address("InstantiateModel"))
-            handle = build(name, token, model, int(logging))
+            handle = build(*named, _ModelCallbacks(*callbacks), int(logging))
         return handle
 
     def free(self) -> None:

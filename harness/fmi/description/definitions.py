@@ -10,9 +10,7 @@ from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import DisplayUnit
 from harness.fmi.description.numbers import boolean, integer, real
 from harness.fmi.wording import shorten
-from harness.system.units import Unit
-
-_BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+from harness.system.units import BASE_UNITS, Unit
 
 
 def read_units(
@@ -26,7 +24,7 @@ def read_units(
         base = element.find("BaseUnit") if major > 1 else None
         units[name] = Unit(name)
         if base is not None:
-            exponents = tuple(integer(base.get(one)) or 0 for one in _BASES)
+            exponents = tuple(integer(base.get(one)) or 0 for one in BASE_UNITS)
             factor, offset = _conversion(base, "factor", f"unit {quoted(name)}", faults)
             units[name] = Unit(name, exponents, factor, offset)
         of_unit = shown.setdefault(name, {})
