@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.errors import FmuError
 from harness.fmi.binding.instance import (
     CO_SIMULATION,
@@ -17,16 +19,15 @@ from harness.fmi.binding.instance import (
     StepOutcome,
 )
 from harness.fmi.binding.logger import fmi3_logger
+from harness.fmi.binding.values import NATIVE_TYPES
 from harness.fmi.description.model_description import Variable
 
 _INTERVAL_CHANGED = 2
-_TYPES = {
-    "Float32": ctypes.c_float, "Float64": ctypes.c_double, "Int8": ctypes.c_int8,
-    "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16, "UInt16": ctypes.c_uint16,
-    "Int32": ctypes.c_int32, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64,
-    "UInt64": ctypes.c_uint64, "Boolean": ctypes.c_bool, "String": ctypes.c_char_p,
-    "Binary": ctypes.py_object, "Clock": ctypes.c_bool,
-}  # fmt: skip
+_TYPES: dict[str, Any] = {
+    name: np.ctypeslib.as_ctypes_type(dtype)
+    for name, dtype in NATIVE_TYPES.items()
+    if name not in ("Real", "Integer")
+} | {"String": ctypes.c_char_p, "Binary": ctypes.py_object}
 
 
 class Fmi3Instance(FmuInstance):
