@@ -124,7 +124,7 @@ def _repeat(
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
     from harness.experiment.sweep import run_sweep, write_sweep
-    from harness.results.whole import check_free
+    from harness.results.atomic import check_free
 
     check_free(folder, "study.csv" if study else "regions.csv")
     with bar() as shown, Workers(jobs, isolated=True) as workers:

@@ -8,16 +8,14 @@ to a call of the runtime.
 from __future__ import annotations
 
 import ast
-import inspect
 import linecache
 import re
-import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from types import FunctionType
 
 from numba.core.errors import NumbaError
 
-from harness.compiler.step import CompileError, step_functions
+from harness.compiler.step import CompileError, label, step_functions, syntax
 
 _ROOM = "give the block's state room for it and work on a slice of x"
 _LOOP = "write a loop over the elements, with room for the result in the block's state"
@@ -63,36 +61,26 @@ def refuse_constructs(step: FunctionType) -> None:
     """Raise `CompileError` at the first construct of the step, or of a function that it calls,
     that an FMU without Python cannot have."""
     for function in step_functions(step):
-        tree = _tree(function)
-        for node in [] if tree is None else _nodes(tree):
-            fault = _fault(node, function)
-            if fault is not None:
+        for node in _nodes(syntax(function)):
+            if fault := _fault(node, function):
                 construct, instead = fault
-                place = _place(step, function, _line(function, node))
+                line = function.__code__.co_firstlineno + getattr(node, "lineno", 1) - 1
+                place = _place(step, function, line)
                 raise CompileError(f"{place} {construct}; {instead}")
 
 
-def _tree(function: FunctionType) -> ast.FunctionDef | None:
-    """The function's source, None where there is none to see."""
-    try:
-        parsed = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    except (OSError, TypeError, SyntaxError):
-        return None
-    found = parsed.body[0]
-    return found if isinstance(found, ast.FunctionDef) else None
-
-
-def _nodes(tree: ast.FunctionDef) -> Iterator[ast.AST]:
+def _nodes(tree: ast.stmt | None) -> list[ast.AST]:
     """What runs when the function does, in the order of lines: not its annotations."""
-    inside = [node for statement in tree.body for node in ast.walk(statement)]
+    body = tree.body if isinstance(tree, ast.FunctionDef) else []
+    inside = [node for statement in body for node in ast.walk(statement)]
     annotations = {
         id(inner)
         for node in inside
         if isinstance(node, ast.AnnAssign)
         for inner in ast.walk(node.annotation)
     }
-    kept = [node for node in inside if id(node) not in annotations]
-    return iter(sorted(kept, key=lambda node: getattr(node, "lineno", 0)))
+    running = [node for node in inside if id(node) not in annotations]
+    return sorted(running, key=lambda node: getattr(node, "lineno", 0))
 
 
 def _fault(node: ast.AST, function: FunctionType) -> tuple[str, str] | None:
@@ -117,19 +105,12 @@ def _called(node: ast.Call, function: FunctionType) -> str:
     return "" if own else node.func.id
 
 
-def _line(function: FunctionType, node: ast.AST) -> int:
-    return function.__code__.co_firstlineno + getattr(node, "lineno", 1) - 1
-
-
 def _place(step: FunctionType, function: FunctionType, line: int) -> str:
     """The subject of the sentence."""
-    through = "" if function is step else f", called by {_label(step)},"
+    caller = label(step).removeprefix("step function ")
+    through = "" if function is step else f", called by {caller},"
     where = f"{function.__code__.co_filename}:{line}"
-    return f"step function {_label(function)}{through} cannot be native code: {where}"
-
-
-def _label(function: FunctionType) -> str:
-    return f"{function.__module__}.{function.__qualname__}"
+    return f"{label(function)}{through} cannot be native code: {where}"
 
 
 def sentence(step: FunctionType, fault: NumbaError) -> str:
@@ -142,31 +123,28 @@ def sentence(step: FunctionType, fault: NumbaError) -> str:
     for path, line in where:
         for name, function in files.items():
             if name.endswith(path.lstrip("./")):
-                source = _source_line(name, int(line))
+                source = linecache.getline(name, int(line)).strip()
                 return (
                     f"{_place(step, function, int(line))} ({source}) is nothing the compiler "
                     f"knows: {said}; write it with scalars, loops, slices and the math module"
                 )
     return (
-        f"step function {_label(step)} cannot be native code: {said}; write it with scalars, "
+        f"{label(step)} cannot be native code: {said}; write it with scalars, "
         "loops, slices and the math module"
     )
-
-
-def _source_line(path: str, line: int) -> str:
-    return linecache.getline(path, line).strip()
 
 
 def foreign_sentence(step: FunctionType, foreign: Sequence[str], places: Sequence[str]) -> str:
     """For a step that calls functions which no C library has; `places` as "file:line"."""
     allocates = any(name.startswith("NRT_") for name in foreign)
-    where = ", ".join(places) or f"somewhere below {_label(step)}"
+    below = label(step).removeprefix("step function ")
+    where = ", ".join(places) or f"somewhere below {below}"
     if allocates:
         return (
-            f"step function {_label(step)} cannot be native code: {where} allocates memory (as "
+            f"{label(step)} cannot be native code: {where} allocates memory (as "
             f"the sum of two slices does, or a function that returns an array); {_LOOP}"
         )
     return (
-        f"step function {_label(step)} cannot be native code: {where} calls {', '.join(foreign)}, "
+        f"{label(step)} cannot be native code: {where} calls {', '.join(foreign)}, "
         "which only Python's runtime has; write it with scalars, loops and the math module"
     )

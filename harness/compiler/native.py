@@ -35,6 +35,7 @@ from harness.compiler.diagnosis import foreign_sentence, refuse_constructs, sent
 from harness.compiler.step import (
     CompileError,
     rebuilt_step,
+    sizes,
     step_fingerprint,
     step_functions,
 )
@@ -93,23 +94,14 @@ def native_key(block: Block) -> str:
     """Changes with the module that `native_step` makes; raises `CompileError` as it does."""
     step = step_functions(block.step)[0]
     refuse_constructs(step)
-    parts = (
-        step_fingerprint(step),
-        repr(_sizes(block)),
-        numba.__version__,
-        llvmlite.__version__,
-        _own_code(),
-    )
+    versions = (numba.__version__, llvmlite.__version__, _own_code())
+    parts = (step_fingerprint(step), repr(sizes(block)), *versions)
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 
 
 @cache
 def _own_code() -> str:
     return hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
-
-
-def _sizes(block: Block) -> tuple[int, ...]:
-    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
 
 
 def _entry(p: Any, x: Any, u: Any, y: Any) -> Any:  # names below are bound by _lowered
@@ -126,7 +118,7 @@ def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str
             scope = {
                 **globals(),
                 "step": rebuilt_step(step, "native", **options),
-                **dict(zip(("N_P", "N_X", "N_U", "N_Y"), _sizes(block), strict=True)),
+                **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes(block), strict=True)),
             }
             entry = FunctionType(_entry.__code__, scope, "native_entry")
             make = njit(_SIGNATURE, error_model="numpy", no_cfunc_wrapper=True, **options)
@@ -162,22 +154,22 @@ def _leading_to(step: FunctionType, block: Block, foreign: list[str]) -> list[st
 
 def _calls(lowered: str) -> dict[str, list[tuple[str, int]]]:
     """By function, what it calls and the number of the place from which it does."""
-    found: dict[str, list[tuple[str, int]]] = {}
-    for name, body in _DEFINITION.findall(lowered):
-        found[name] = [(callee, int(place or 0)) for callee, place in _CALL.findall(body)]
-    return found
+    return {
+        name: [(callee, int(place or 0)) for callee, place in _CALL.findall(body)]
+        for name, body in _DEFINITION.findall(lowered)
+    }
 
 
 @contextmanager
 def _no_optimisation() -> Iterator[None]:
     """numba would optimise for the processor of this machine."""
     names = ("OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE")
-    kept = {name: getattr(config, name) for name in names}
+    before = {name: getattr(config, name) for name in names}
     config.OPT, config.LOOP_VECTORIZE, config.SLP_VECTORIZE = type(config.OPT)(0), 0, 0
     try:
         yield
     finally:
-        for name, value in kept.items():
+        for name, value in before.items():
             setattr(config, name, value)
 
 

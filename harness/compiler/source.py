@@ -11,15 +11,13 @@ It refuses functions without source (typed at a prompt, made by `exec`).
 from __future__ import annotations
 
 import ast
-import inspect
 import math
-import textwrap
 from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
-from harness.compiler.step import CompileError, step_functions
+from harness.compiler.step import CompileError, label, step_functions, syntax
 from harness.system.block import Block
 
 _HEAD = "import math\n\nimport numpy\nfrom numpy import array, float64\n"
@@ -29,9 +27,10 @@ def python_source(block: Block) -> str:
     """The module's text; raises `CompileError` naming what cannot be written."""
     writer = _Writer()
     entry = writer.function(step_functions(block.step)[0])
+    constants = (f"{name} = {text}" for text, name in writer.constants.items())
     arguments = "p, x, u, y"
     last = f"def step({arguments}):\n    {entry}({arguments})\n"
-    return "\n\n".join([_HEAD, *writer.constants.values(), *writer.functions, last])
+    return "\n\n".join([_HEAD, *constants, *writer.functions, last])
 
 
 class _Writer:
@@ -67,16 +66,10 @@ class _Writer:
         text = _literal(value)
         if text is None:
             raise CompileError(
-                f"step function {function.__module__}.{function.__qualname__} uses {name}, a "
-                f"{type(value).__name__}, which cannot be written as Python text; use numbers, "
-                "tuples of numbers, arrays and functions"
+                f"{label(function)} uses {name}, a {type(value).__name__}, which cannot be written "
+                "as Python text; use numbers, tuples of numbers, arrays and functions"
             )
-        constant = f"{name}_c{len(self.constants)}"
-        for known, line in self.constants.items():
-            if line == f"{known} = {text}":
-                return known
-        self.constants[constant] = f"{constant} = {text}"
-        return constant
+        return self.constants.setdefault(text, f"{name}_c{len(self.constants)}")
 
 
 class _Renamer(ast.NodeTransformer):
@@ -97,19 +90,11 @@ class _Renamer(ast.NodeTransformer):
 
 def _definition(function: FunctionType) -> ast.FunctionDef:
     """The syntax of a function without docstring, annotations and decorators."""
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    except (OSError, TypeError, SyntaxError) as fault:
-        raise CompileError(
-            f"step function {function.__module__}.{function.__qualname__} has no source to copy; "
-            "write it in a file"
-        ) from fault
-    found = tree.body[0]
+    found = syntax(function)
+    if found is None:
+        raise CompileError(f"{label(function)} has no source to copy; write it in a file")
     if not isinstance(found, ast.FunctionDef):
-        raise CompileError(
-            f"step function {function.__module__}.{function.__qualname__} is no function written "
-            "with def; write it with def"
-        )
+        raise CompileError(f"{label(function)} is no function written with def; write it with def")
     found.decorator_list, found.returns = [], None
     for argument in ast.walk(found.args):
         if isinstance(argument, ast.arg):

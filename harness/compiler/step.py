@@ -15,10 +15,13 @@ It refuses step functions that raise: a block reports that it cannot go on by wr
 
 from __future__ import annotations
 
+import ast
 import ctypes
 import dis
 import hashlib
-from collections.abc import Callable, Iterator
+import inspect
+import textwrap
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
@@ -76,12 +79,16 @@ def compile_step(block: Block) -> CompiledStep:
 
     Raises `CompileError` naming the function and the reason.
     """
-    lengths = map(len, (block.parameters, block.state, block.inputs, block.outputs))
     name = f"step_{step_fingerprint(block.step)[:24]}"
     if name not in _compiled:
         _compiled[name] = _compile(_plain(block.step), name)
     code = _compiled[name]
-    return CompiledStep(code.address, np.array(list(lengths), dtype=np.int64), code)
+    return CompiledStep(code.address, np.array(sizes(block), dtype=np.int64), code)
+
+
+def sizes(block: Block) -> tuple[int, ...]:
+    """The lengths of p, x, u and y."""
+    return tuple(map(len, (block.parameters, block.state, block.inputs, block.outputs)))
 
 
 _compiled: dict[str, Any] = {}
@@ -95,7 +102,7 @@ def _compile(function: FunctionType, name: str) -> Any:
         return cached_callback(entry, _SIGNATURE, error_model="numpy")
     except NumbaError as fault:
         raise CompileError(
-            f"step function {_label(function)} cannot be compiled: {_first_line(fault)}; write "
+            f"{label(function)} cannot be compiled: {_first_line(fault)}; write "
             "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
 
@@ -150,8 +157,7 @@ def _fingerprint(
     """Feed all that the machine code of `function` depends on; refuse what cannot be compiled."""
     if function in callers:
         raise CompileError(
-            f"step function {_label(function)} calls itself, which compiled blocks may not; write "
-            "a loop"
+            f"{label(function)} calls itself, which compiled blocks may not; write a loop"
         )
     known = id(function) in seen
     digest.update(f"function {seen.setdefault(id(function), len(seen))};".encode())
@@ -180,7 +186,7 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
         return f"{getattr(value, '__module__', '')}.{value.__name__}"
     kind = f"module {value.__name__}" if isinstance(value, ModuleType) else type(value).__name__
     raise CompileError(
-        f"step function {_label(function)} uses {name}, a {kind}; it may use functions and numbers "
+        f"{label(function)} uses {name}, a {kind}; it may use functions and numbers "
         "by name, and the modules math and numpy"
     )
 
@@ -205,13 +211,13 @@ def _rebuild(function: FunctionType, step: str, done: dict[int, Any], **options:
 def _refuse(function: FunctionType) -> None:
     if function.__closure__:
         raise CompileError(
-            f"step function {_label(function)} uses variables of an enclosing function; pass them "
+            f"{label(function)} uses variables of an enclosing function; pass them "
             "through the block's parameters"
         )
     if _read(function.__code__).raises:
         line = function.__code__.co_firstlineno
         raise CompileError(
-            f"step function {_label(function)} (line {line}) raises an exception, which "
+            f"{label(function)} (line {line}) raises an exception, which "
             "compiled code cannot carry to the caller; write NaN to the outputs instead"
         )
 
@@ -226,8 +232,17 @@ def _feed(digest: Any, code: CodeType) -> None:
             digest.update(repr(constant).encode())
 
 
-def _label(function: StepFunction | Callable[..., Any]) -> str:
-    return f"{getattr(function, '__module__', '?')}.{getattr(function, '__qualname__', function)}"
+def label(function: FunctionType) -> str:
+    """How errors name a step function or one that it calls."""
+    return f"step function {function.__module__}.{function.__qualname__}"
+
+
+def syntax(function: FunctionType) -> ast.stmt | None:
+    """The function's source as a tree, None where there is none to see."""
+    try:
+        return ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    except (OSError, TypeError, SyntaxError):
+        return None
 
 
 def _first_line(fault: Exception) -> str:
@@ -237,15 +252,11 @@ def _first_line(fault: Exception) -> str:
 
 def step_functions(step: StepFunction) -> list[FunctionType]:
     """The step function itself and every plain Python function that it names, directly or not."""
-    waiting = [_plain(step)]
-    found = {id(waiting[0]): waiting[0]}
-    while waiting:
-        for value in _named(waiting.pop()).values():
-            if _is_function(value) and id(_plain(value)) not in found:
-                function = _plain(value)
-                found[id(function)] = function
-                waiting.append(function)
-    return list(found.values())
+    found = [_plain(step)]
+    for function in found:  # which grows meanwhile
+        named = (_plain(value) for value in _named(function).values() if _is_function(value))
+        found += [one for one in dict.fromkeys(named) if one not in found]
+    return found
 
 
 def step_fingerprint(step: StepFunction) -> str:

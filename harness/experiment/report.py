@@ -14,12 +14,12 @@ from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment
 from harness.experiment.repeated import writing
 from harness.experiment.schema import PlotSpec
+from harness.results.atomic import atomic_write
 from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures
 from harness.results.result import Result
 from harness.results.step_response import metric_units
 from harness.results.surface_plot import surfaces_plot
-from harness.results.whole import whole
 
 Results = Mapping[str, Result]
 
@@ -157,7 +157,7 @@ def _units(experiment: Experiment, results: Results) -> dict[str, str]:
 
 def _write_metrics(experiment: Experiment, results: Results, path: Path) -> Path:
     units = _units(experiment, results)
-    with whole(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
+    with atomic_write(path) as partial, partial.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["variant", "metric", "value", "unit"])
         for variant, result in results.items():

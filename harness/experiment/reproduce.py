@@ -15,8 +15,8 @@ from harness.experiment.repeated import writing
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
+from harness.results.atomic import atomic_write
 from harness.results.result import Result
-from harness.results.whole import whole
 
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
@@ -186,7 +186,7 @@ def update_readme(reproduction: Reproduction) -> Path:
             table = list(rows(reproduction))
             if part == VERDICTS or len(table) > 1:
                 text = _filled(path, text, part, markdown(table))
-        with whole(path) as partial:
+        with atomic_write(path) as partial:
             partial.write_text(text, encoding="utf-8")
     return path
 
@@ -238,6 +238,6 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
         tables=tables,
         figures="\n".join(figures),
     )
-    with writing(output, f"{path} cannot be written"), whole(path) as partial:
+    with writing(output, f"{path} cannot be written"), atomic_write(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path

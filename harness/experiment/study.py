@@ -20,8 +20,8 @@ from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers
 from harness.experiment.repeated import Metrics, Point, run_points, writing
 from harness.experiment.schema import StudySpec
+from harness.results.atomic import atomic_write
 from harness.results.intervals import PairedDifference, Share, paired_difference, share
-from harness.results.whole import whole
 
 LOST = "lost_loop"
 
@@ -68,7 +68,7 @@ class Study:
     def write(self, folder: Path) -> Path:
         """Write `study.csv` into `folder` and return its path."""
         path = folder / "study.csv"
-        with writing(folder, f"{path} cannot be written"), whole(path) as partial:
+        with writing(folder, f"{path} cannot be written"), atomic_write(path) as partial:
             self.frame().to_csv(partial, index=False)
         return path
 

@@ -24,7 +24,6 @@ from harness.experiment.parallel import Workers
 from harness.experiment.repeated import Metrics, Point, run_points, writing
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.plots import axis_label
-from harness.results.whole import whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +139,8 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
         for j, x in enumerate(region.spec.x.values)
     )  # fmt: skip
     with writing(folder, f"the sweep cannot be written to {folder}"):
-        with whole(picture) as part:
+        with atomic_write(picture) as part:
             region_plot(experiment, regions).savefig(part)
-        with whole(table) as part:
+        with atomic_write(table) as part:
             points.to_csv(part, index=False, na_rep="nan")
     return [picture, table]

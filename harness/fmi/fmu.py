@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Self
 
-from harness.errors import FmuError
 from harness.fmi.archive.unpack import Archive
 from harness.fmi.binding.fmi1 import Fmi1Instance
 from harness.fmi.binding.fmi2 import Fmi2Instance
@@ -59,12 +58,7 @@ class Fmu:
     ) -> FmuInstance:
         """A new instance; raises `FmuError`. `event_mode` and `early_return` say that the caller
         handles events and steps that end early, in FMI 3 co-simulation."""
-        kind = _KINDS.get(self.description.fmi_major)
-        if kind is None:
-            raise FmuError(
-                f"FMU {self.path} is FMI {self.description.fmi_version}; FMI 1, 2 and 3 can be run"
-            )
-        return kind(
+        return _KINDS[self.description.fmi_major](
             self.description, self.folder, name, interface_type=interface_type,
             event_mode=event_mode, early_return=early_return, logging=logging, echo=echo,
         )  # fmt: skip

@@ -1,21 +1,176 @@
-"""Building an instrument from a kind name and a mapping, and checking its fields, one by one.
+"""What all instruments share: made from the name of a kind and a mapping, checked field by field.
 
-Every fault is an `ExperimentError` of one sentence that names the kind, the key, what was
-expected, what was received and the legal choices.
+The annotation of a field says what is legal: `std: NotNegative`, `end_time: Time | None`. Every
+fault is an `ExperimentError` of one sentence that names the kind, the key, what was expected, what
+was received and the legal choices.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from functools import cache, partial
 from numbers import Real
-from typing import Any
+from types import NoneType, UnionType
+from typing import Annotated, Any, ClassVar, Union, get_args, get_origin, get_type_hints
+
+from numpy.random import SeedSequence
 
 from harness import registry
 from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
-from harness.instruments.source import SignalSource
+from harness.instruments.source import FunctionSampler, Sampler, SignalSource, Times, Values
+
+
+def label(owner: object) -> str:
+    """How errors name an instrument: its kind."""
+    return repr(getattr(owner, "kind", type(owner).__name__))
+
+
+def _refuse(owner: object, name: str, wanted: str) -> None:
+    received = getattr(owner, name)
+    raise ExperimentError(f"{label(owner)}: {name!r} must {wanted}, got {received!r}")
+
+
+def is_number(value: object) -> bool:
+    """Whether `value` is a finite real number (a bool is none)."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def check_number(
+    owner: object,
+    name: str,
+    *,
+    above: float = -math.inf,
+    below: float = math.inf,
+    at_least: float = -math.inf,
+    at_most: float = math.inf,
+) -> None:
+    """Field `name` of `owner` is a finite number within the bounds, else `ExperimentError`."""
+    value: Any = getattr(owner, name)
+    if not (is_number(value) and above < value < below and at_least <= value <= at_most):
+        bounds = {"above": above, "below": below, "at least": at_least, "at most": at_most}
+        finite = [f"{word} {bound:g}" for word, bound in bounds.items() if math.isfinite(bound)]
+        _refuse(owner, name, f"be a finite number {' and '.join(finite)}".strip())
+
+
+def check_whole(owner: object, name: str, low: int, high: int) -> None:
+    """Field `name` is a whole number from `low` to `high`."""
+    value = getattr(owner, name)
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+        _refuse(owner, name, f"be a whole number from {low} to {high}")
+
+
+def check_choice(owner: object, name: str, *, legal: tuple[str, ...]) -> None:
+    """Field `name` is one of `legal`."""
+    if getattr(owner, name) not in legal:
+        _refuse(owner, name, f"be one of {', '.join(map(repr, legal))}")
+
+
+def check_order(owner: object, low: str, high: str) -> None:
+    """Field `high` is not less than field `low`."""
+    least = getattr(owner, low)
+    if getattr(owner, high) < least:
+        _refuse(owner, high, f"not be below {low!r} {least!r}")
+
+
+def check_signal(owner: object, value: object) -> None:
+    """`value` is a signal source."""
+    if not isinstance(value, SignalSource):
+        raise ExperimentError(
+            f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
+            f"got {value!r}"
+        )
+
+
+def _check_signal_field(owner: object, name: str) -> None:
+    check_signal(owner, getattr(owner, name))
+
+
+def _check_unit(owner: object, name: str) -> None:
+    value = getattr(owner, name)
+    if value is not None and not (isinstance(value, str) and value):
+        _refuse(owner, name, "be a unit such as 'N' or 'm/s'")
+
+
+def check_one_of(owner: object, first: str, second: str) -> None:
+    """Exactly one of two fields is given (the other is None)."""
+    given = getattr(owner, first), getattr(owner, second)
+    if (given[0] is None) == (given[1] is None):
+        raise ExperimentError(
+            f"{label(owner)}: give either {first!r} or {second!r}, got {given[0]!r} and "
+            f"{given[1]!r}"
+        )
+
+
+Number = Annotated[float, check_number]
+NotNegative = Annotated[float, partial(check_number, at_least=0.0)]
+Positive = Annotated[float, partial(check_number, above=0.0)]
+Probability = Annotated[float, partial(check_number, at_least=0.0, at_most=1.0)]
+Time = Annotated[float, partial(check_number, at_least=-LONGEST, at_most=LONGEST)]
+"""Seconds that int64 nanoseconds hold."""
+Duration = Annotated[float, partial(check_number, at_least=1e-9, at_most=LONGEST)]
+"""The same, at least 1 ns."""
+Signals = Annotated[SignalSource, _check_signal_field]
+UnitName = Annotated[str | None, _check_unit]
+"""A unit, None for that of the port that is wired."""
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """Data whose fields are checked when it is made; a subclass with a `kind` is known by it."""
+
+    kind: ClassVar[str]
+    kinds: ClassVar[dict[str, type[Any]]]
+
+    def __init_subclass__(cls, kind: str = "") -> None:
+        if kind:
+            cls.kind = kind
+            cls.kinds[kind] = cls
+
+    def __post_init__(self) -> None:
+        """Checks every field as its annotation says; None where the annotation allows it."""
+        kind: Any = type(self)
+        for name, check, optional in _checks(kind):
+            if not (optional and getattr(self, name) is None):
+                check(self, name)
+
+
+@dataclass(frozen=True)
+class Signal(Instrument):
+    """A signal of this package; it meets `SignalSource`."""
+
+    kinds: ClassVar[dict[str, type[Any]]] = {}
+    unit: UnitName = field(default=None, kw_only=True)
+
+
+class Waveform(Signal):
+    """A signal without memory or chance: the values of `at` depend on their own instants only."""
+
+    @abstractmethod
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory; the seed is not used."""
+        return FunctionSampler(self.at)
+
+
+@cache
+def _checks(kind: Any) -> list[tuple[str, Callable[[object, str], None], bool]]:
+    """Field, check and whether None passes, as the annotations of a class say."""
+    options = {
+        name: get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        for name, hint in get_type_hints(kind, include_extras=True).items()
+    }
+    return [
+        (name, check, NoneType in given)
+        for name, given in options.items()
+        for one in given
+        for check in getattr(one, "__metadata__", ())
+    ]
 
 
 def build(
@@ -33,117 +188,21 @@ def build(
             "(or 'package.module:Class' for your own)"
         )
     chosen: Any = registry.named(kind, what) if own else known[kind]
-    if not (isinstance(chosen, type) and dataclasses.is_dataclass(chosen)):
+    if not (isinstance(chosen, type) and is_dataclass(chosen)):
         raise ExperimentError(f"{what} {kind!r} must be a dataclass, got {chosen!r}")
-    fields = {one.name: one for one in dataclasses.fields(chosen)}
+    keys = {one.name: one for one in sorted(fields(chosen), key=lambda one: bool(one.kw_only))}
     for key in given:
-        if key not in fields:
-            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, fields)}")
-    required = [
-        name for name, one in fields.items()
-        if one.default is one.default_factory is dataclasses.MISSING
+        if key not in keys:
+            raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, keys)}")
+    missing = [
+        name for name, one in keys.items()
+        if one.default is one.default_factory is MISSING and name not in given
     ]  # fmt: skip
-    missing = [name for name in required if name not in given]
     if missing:
         raise ExperimentError(
-            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are "
-            f"{', '.join(fields)}"
+            f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are {', '.join(keys)}"
         )
     made = chosen(**{k: tuple(v) if isinstance(v, list) else v for k, v in given.items()})
     if not isinstance(made, form):
         raise ExperimentError(f"{what} {kind!r} lacks what {form.__module__}.{form.__name__} asks")
     return made
-
-
-def label(owner: object) -> str:
-    """How errors name an instrument: its kind."""
-    return repr(getattr(owner, "kind", type(owner).__name__))
-
-
-def check_number(
-    owner: object,
-    name: str,
-    *,
-    above: float = -math.inf,
-    below: float = math.inf,
-    at_least: float = -math.inf,
-    at_most: float = math.inf,
-) -> None:
-    """Field `name` of `owner` is a finite number within the bounds, else `ExperimentError`."""
-    value = getattr(owner, name)
-    bounds = [
-        f"{word} {bound:g}"
-        for word, bound in (
-            ("above", above),
-            ("below", below),
-            ("at least", at_least),
-            ("at most", at_most),
-        )
-        if math.isfinite(bound)
-    ]
-    legal = is_number(value) and above < value < below and at_least <= value <= at_most
-    if not legal:
-        wanted = " ".join(["a finite number", " and ".join(bounds)]).strip()
-        raise ExperimentError(f"{label(owner)}: {name!r} must be {wanted}, got {value!r}")
-
-
-def is_number(value: object) -> bool:
-    """Whether `value` is a finite real number (a bool is none)."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def check_numbers(owner: object, *names: str) -> None:
-    """Each named field of `owner` is a finite number."""
-    for name in names:
-        check_number(owner, name)
-
-
-def check_time(owner: object, name: str, *, positive: bool = False) -> None:
-    """Field `name` is a time in seconds that int64 nanoseconds hold; `positive`: at least 1 ns."""
-    low = 1e-9 if positive else -LONGEST
-    check_number(owner, name, at_least=low, at_most=LONGEST)
-
-
-def check_whole(owner: object, name: str, low: int, high: int) -> None:
-    """Field `name` is a whole number from `low` to `high`."""
-    value = getattr(owner, name)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise ExperimentError(
-            f"{label(owner)}: {name!r} must be a whole number from {low} to {high}, got {value!r}"
-        )
-
-
-def check_choice(owner: object, name: str, *legal: str) -> None:
-    """Field `name` is one of `legal`."""
-    value = getattr(owner, name)
-    if value not in legal:
-        raise ExperimentError(
-            f"{label(owner)}: {name!r} must be one of {', '.join(map(repr, legal))}, got {value!r}"
-        )
-
-
-def check_signal(owner: object, value: object) -> None:
-    """`value` is a signal source."""
-    if not isinstance(value, SignalSource):
-        raise ExperimentError(
-            f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
-            f"got {value!r}"
-        )
-
-
-def check_unit(owner: object) -> None:
-    """Field `unit` is a unit string, or None for the unit of the port that is wired."""
-    value = getattr(owner, "unit", None)
-    if value is not None and not (isinstance(value, str) and value):
-        raise ExperimentError(
-            f"{label(owner)}: 'unit' must be a unit such as 'N' or 'm/s', got {value!r}"
-        )
-
-
-def check_one_of(owner: object, first: str, second: str) -> None:
-    """Exactly one of two fields is given (the other is None)."""
-    if (getattr(owner, first) is None) == (getattr(owner, second) is None):
-        raise ExperimentError(
-            f"{label(owner)}: give either {first!r} or {second!r}, got "
-            f"{getattr(owner, first)!r} and {getattr(owner, second)!r}"
-        )

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError, SimulationError
-from harness.instruments.checks import check_numbers, check_signal, check_time, check_unit, label
+from harness.instruments.checks import Number, Signal, Signals, Time, check_signal, label
 from harness.instruments.source import (
-    PureSampler,
+    FunctionSampler,
     Sampler,
     SignalSource,
     Times,
@@ -23,21 +22,19 @@ from harness.instruments.source import (
 
 
 @dataclass(frozen=True)
-class Function:
+class Function(Signal, kind="function"):
     """A Python function of time: `function(t)`, t in seconds, gives a number. For library use."""
 
-    kind: ClassVar[str] = "function"
     function: Callable[[float], float]
-    unit: str | None = None
 
     def __post_init__(self) -> None:
         """Checks every field."""
+        super().__post_init__()
         if not callable(self.function):
             raise ExperimentError(
                 f"{label(self)}: 'function' must be a Python callable, got {self.function!r}; "
                 "in an experiment file take another kind, such as 'csv'"
             )
-        check_unit(self)
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Calls the function once an instant; its exception becomes a `SimulationError`."""
@@ -54,41 +51,25 @@ class Function:
                     ) from fault
             return sampled
 
-        return PureSampler(values)
+        return FunctionSampler(values)
 
 
 @dataclass(frozen=True)
-class SumSampler:
-    """Adds what its parts give, in their order."""
-
-    parts: tuple[Sampler, ...]
-
-    def sample(self, times_ns: Times) -> Values:
-        """The sum of the parts at each instant."""
-        total = np.zeros(len(times_ns))
-        for part in self.parts:
-            total += part.sample(times_ns)
-        return total
-
-
-@dataclass(frozen=True)
-class Sum:
+class Sum(Signal, kind="sum"):
     """The sum of `signals`; each has a random stream of its own. Units that the parts state must
     be the same."""
 
-    kind: ClassVar[str] = "sum"
     signals: tuple[SignalSource, ...]
-    unit: str | None = None
 
     def __post_init__(self) -> None:
         """Checks every field."""
+        super().__post_init__()
         if not isinstance(self.signals, tuple) or not self.signals:
             raise ExperimentError(
                 f"{label(self)}: 'signals' must hold at least one signal, got {self.signals!r}"
             )
         for one in self.signals:
             check_signal(self, one)
-        check_unit(self)
         units = {one.unit for one in (self, *self.signals) if one.unit is not None}
         if len(units) > 1:
             raise ExperimentError(
@@ -98,90 +79,56 @@ class Sum:
             object.__setattr__(self, "unit", units.pop())
 
     def sampler(self, seed: SeedSequence) -> Sampler:
-        """Part i is seeded with child i of `seed`."""
-        return SumSampler(
-            tuple(one.sampler(child_seed(seed, i)) for i, one in enumerate(self.signals))
-        )
+        """Adds what the parts give, in their order; part i is seeded with child i of `seed`."""
+        parts = [one.sampler(child_seed(seed, i)) for i, one in enumerate(self.signals)]
+
+        def total(times_ns: Times) -> Values:
+            return sum((part.sample(times_ns) for part in parts), np.zeros(len(times_ns)))
+
+        return FunctionSampler(total)
 
 
 @dataclass(frozen=True)
-class AffineSampler:
-    """gain·s + offset."""
-
-    part: Sampler
-    gain: float
-    offset: float
-
-    def sample(self, times_ns: Times) -> Values:
-        """The scaled values."""
-        return self.gain * self.part.sample(times_ns) + self.offset
-
-
-@dataclass(frozen=True)
-class Scaled:
+class Scaled(Signal, kind="scaled"):
     """gain·s(t) + offset, for a signal s; `unit` is that of the result."""
 
-    kind: ClassVar[str] = "scaled"
-    signal: SignalSource
-    gain: float = 1.0
-    offset: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_signal(self, self.signal)
-        check_numbers(self, "gain", "offset")
-        check_unit(self)
+    signal: Signals
+    gain: Number = 1.0
+    offset: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """The signal is seeded with `seed` itself."""
-        return AffineSampler(self.signal.sampler(seed), float(self.gain), float(self.offset))
+        part, gain, offset = self.signal.sampler(seed), float(self.gain), float(self.offset)
+        return FunctionSampler(lambda times_ns: gain * part.sample(times_ns) + offset)
 
 
 @dataclass(frozen=True)
-class WindowedSampler:
-    """The part's values inside the window, `outside` elsewhere; the part is sampled throughout."""
-
-    part: Sampler
-    start: int
-    end: int | None
-    outside: float
-
-    def sample(self, times_ns: Times) -> Values:
-        """The gated values."""
-        inside = times_ns >= self.start
-        if self.end is not None:
-            inside &= times_ns < self.end
-        return np.where(inside, self.part.sample(times_ns), self.outside)
-
-
-@dataclass(frozen=True)
-class Windowed:
+class Windowed(Signal, kind="windowed"):
     """A signal from `start_time` (s) until before `end_time` (never where None), else `outside`.
 
     The signal runs all the time: opening the window later leaves its random values as they were.
     """
 
-    kind: ClassVar[str] = "windowed"
-    signal: SignalSource
-    start_time: float = 0.0
-    end_time: float | None = None
-    outside: float = 0.0
-    unit: str | None = None
+    signal: Signals
+    start_time: Time = 0.0
+    end_time: Time | None = None
+    outside: Number = 0.0
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_signal(self, self.signal)
-        check_numbers(self, "outside")
-        check_time(self, "start_time")
-        if self.end_time is not None:
-            check_time(self, "end_time")
-        check_unit(self)
+        super().__post_init__()
         if self.unit is None:
             object.__setattr__(self, "unit", self.signal.unit)
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """The signal is seeded with `seed` itself."""
+        part, start = self.signal.sampler(seed), nearest_nanosecond(self.start_time)
         end = None if self.end_time is None else nearest_nanosecond(self.end_time)
-        start = nearest_nanosecond(self.start_time)
-        return WindowedSampler(self.signal.sampler(seed), start, end, float(self.outside))
+
+        def values(times_ns: Times) -> Values:
+            inside = times_ns >= start
+            if end is not None:
+                inside &= times_ns < end
+            return np.where(inside, part.sample(times_ns), float(self.outside))
+
+        return FunctionSampler(values)

@@ -12,19 +12,19 @@ import csv
 import os
 import re
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.random import SeedSequence
 
 from harness.clock import LONGEST, NANOSECONDS
 from harness.errors import ExperimentError, nearest
-from harness.instruments.checks import check_choice, check_unit, label
-from harness.instruments.source import PureSampler, Sampler, Times, Values
+from harness.instruments.checks import Waveform, check_choice, label
+from harness.instruments.source import Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
+Interpolation = Annotated[str, partial(check_choice, legal=("hold", "linear"))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,24 +162,21 @@ def _header(path: Path) -> tuple[tuple[str, ...], int, str]:
 
 
 @dataclass(frozen=True)
-class CsvSignal:
+class CsvSignal(Waveform, kind="csv"):
     """Column `column` of the CSV file `file`, held between rows or interpolated (`hold`,
     `linear`); the first value holds before the first row, the last one after the last."""
 
-    kind: ClassVar[str] = "csv"
     file: str | os.PathLike[str]
     column: str
-    interpolation: str = "hold"
-    unit: str | None = None
+    interpolation: Interpolation = "hold"
 
     def __post_init__(self) -> None:
         """Checks every field."""
+        super().__post_init__()
         if not isinstance(self.file, str | os.PathLike) or not Path(self.file).is_file():
             raise ExperimentError(f"{label(self)}: 'file' is no existing file: {self.file!r}")
         if not isinstance(self.column, str):
             raise ExperimentError(f"{label(self)}: 'column' must be a name, got {self.column!r}")
-        check_choice(self, "interpolation", "hold", "linear")
-        check_unit(self)
         self._rows  # noqa: B018  (a file with a fault is reported here, not in the run)
 
     @cached_property
@@ -187,18 +184,14 @@ class CsvSignal:
         table = read_csv_table(Path(self.file))
         return table.times_ns, table.column(self.column)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         times, values = self._rows
-
-        def hold(times_ns: Times) -> Values:
-            return values[np.maximum(np.searchsorted(times, times_ns, "right") - 1, 0)]
-
-        def linear(times_ns: Times) -> Values:
-            after = np.searchsorted(times, times_ns, "right")
-            left, right = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
-            gap = np.maximum(times[right] - times[left], 1)
-            share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
-            return values[left] + share * (values[right] - values[left])
-
-        return PureSampler(hold if self.interpolation == "hold" else linear)
+        after = np.searchsorted(times, times_ns, "right")
+        left = np.maximum(after - 1, 0)
+        if self.interpolation == "hold":
+            return values[left]
+        right = np.minimum(after, len(times) - 1)
+        gap = np.maximum(times[right] - times[left], 1)
+        share = np.where(left == right, 0.0, (times_ns - times[left]) / gap)
+        return values[left] + share * (values[right] - values[left])

@@ -92,3 +92,11 @@ def lag_step(p: Array, x: Array, u: Array, y: Array) -> None:
         y[0] = p[0] * x[0] + p[1] * u[0] + p[2] * x[1]
     x[0] = y[0]
     x[1] = u[0]
+
+
+def value_map_step(p: Array, x: Array, u: Array, y: Array) -> None:
+    """y = the second of the pair in p whose first is u; u itself where there is none."""
+    y[0] = u[0]
+    for i in range(0, p.shape[0], 2):
+        if u[0] == p[i]:
+            y[0] = p[i + 1]

@@ -13,29 +13,38 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from functools import partial
+from itertools import chain
+from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
 from harness.errors import ExperimentError
 from harness.instruments import imperfection_steps as steps
 from harness.instruments.checks import (
+    Duration,
+    Instrument,
+    NotNegative,
+    Number,
+    Positive,
+    Probability,
+    Signals,
     build,
     check_choice,
-    check_number,
     check_one_of,
-    check_signal,
-    check_time,
+    check_order,
     check_whole,
+    is_number,
     label,
 )
 from harness.instruments.noise import UniformNoise, WhiteNoise
 from harness.instruments.signals import with_signals
 from harness.instruments.source import SignalSource
-from harness.instruments.value_map import ValueMap
 from harness.system.block import KernelBlock, Port, StepFunction
 
 LONGEST_DELAY = 1_000_000  # readings, 8 MB of state
+Readings = Annotated[int, partial(check_whole, low=0, high=LONGEST_DELAY)]
+DropoutMode = Annotated[str, partial(check_choice, legal=("hold", "zero"))]
 
 
 @runtime_checkable
@@ -52,6 +61,17 @@ class Imperfection(Protocol):
         ...
 
 
+class WireInstrument(Instrument):
+    """An imperfection of this package; it meets `Imperfection`."""
+
+    kinds: ClassVar[dict[str, type[Any]]] = {}
+
+    @property
+    def source(self) -> SignalSource | None:
+        """None: there is no second input."""
+        return None
+
+
 def _block(
     step: StepFunction,
     unit: str,
@@ -59,9 +79,8 @@ def _block(
     state: tuple[float, ...] = (),
     added: Port | None = None,
 ) -> KernelBlock:
-    inputs = (Port("in", unit, "what the wire carries"), *((added,) if added else ()))
     return KernelBlock(
-        inputs=inputs,
+        inputs=(Port("in", unit, "what the wire carries"), *((added,) if added else ())),
         outputs=(Port("out", unit, "what the reader gets"),),
         step=step,
         parameters=np.array(parameters, dtype=np.float64),
@@ -70,20 +89,16 @@ def _block(
 
 
 @dataclass(frozen=True)
-class Noise:
+class Noise(WireInstrument, kind="noise"):
     """Adds white noise of standard deviation `std` (unit of the wire), or any random `signal`."""
 
-    kind: ClassVar[str] = "noise"
-    std: float | None = None
-    signal: SignalSource | None = None
+    std: NotNegative | None = None
+    signal: Signals | None = None
 
     def __post_init__(self) -> None:
         """Checks every field."""
+        super().__post_init__()
         check_one_of(self, "std", "signal")
-        if self.std is not None:
-            check_number(self, "std", at_least=0.0)
-        else:
-            check_signal(self, self.signal)
 
     @property
     def source(self) -> SignalSource | None:
@@ -96,15 +111,10 @@ class Noise:
 
 
 @dataclass(frozen=True)
-class Disturbance:
+class Disturbance(WireInstrument, kind="disturbance"):
     """Adds a `signal`."""
 
-    kind: ClassVar[str] = "disturbance"
-    signal: SignalSource
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_signal(self, self.signal)
+    signal: Signals
 
     @property
     def source(self) -> SignalSource | None:
@@ -117,16 +127,10 @@ class Disturbance:
 
 
 @dataclass(frozen=True)
-class Bias:
+class Bias(WireInstrument, kind="bias"):
     """Adds the constant `value` (unit of the wire)."""
 
-    kind: ClassVar[str] = "bias"
-    value: float
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "value")
+    value: Number
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out = in + value."""
@@ -134,16 +138,10 @@ class Bias:
 
 
 @dataclass(frozen=True)
-class Gain:
+class Gain(WireInstrument, kind="gain"):
     """Multiplies by `factor`: a scale error; the unit stays."""
 
-    kind: ClassVar[str] = "gain"
-    factor: float
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "factor")
+    factor: Number
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out = factor·in."""
@@ -151,17 +149,11 @@ class Gain:
 
 
 @dataclass(frozen=True)
-class Quantisation:
+class Quantisation(WireInstrument, kind="quantisation"):
     """Rounds to the nearest multiple of `step` (unit of the wire): mid-tread, so that 0 stays 0,
     and halves go to the even multiple, so that no bias arises. Error at most step/2."""
 
-    kind: ClassVar[str] = "quantisation"
-    step: float
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "step", above=0.0)
+    step: Positive
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out = step·round(in/step)."""
@@ -169,23 +161,16 @@ class Quantisation:
 
 
 @dataclass(frozen=True)
-class Saturation:
+class Saturation(WireInstrument, kind="saturation"):
     """Limits to [`lower`, `upper`] (unit of the wire)."""
 
-    kind: ClassVar[str] = "saturation"
-    lower: float
-    upper: float
-    source: ClassVar[SignalSource | None] = None
+    lower: Number
+    upper: Number
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_number(self, "lower")
-        check_number(self, "upper")
-        if self.lower > self.upper:
-            raise ExperimentError(
-                f"{label(self)}: 'upper' must not be below 'lower' {self.lower!r}, "
-                f"got {self.upper!r}"
-            )
+        super().__post_init__()
+        check_order(self, "lower", "upper")
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out = min(max(in, lower), upper)."""
@@ -193,20 +178,12 @@ class Saturation:
 
 
 @dataclass(frozen=True)
-class RateLimit:
+class RateLimit(WireInstrument, kind="rate_limit"):
     """Rises by at most `rate` and falls by at most `falling_rate` (unit of the wire per second;
     `rate` where None). The first reading passes as it is."""
 
-    kind: ClassVar[str] = "rate_limit"
-    rate: float
-    falling_rate: float | None = None
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "rate", at_least=0.0)
-        if self.falling_rate is not None:
-            check_number(self, "falling_rate", at_least=0.0)
+    rate: NotNegative
+    falling_rate: NotNegative | None = None
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """|out_k − out_{k−1}| ≤ rate·sample_time."""
@@ -216,18 +193,11 @@ class RateLimit:
 
 
 @dataclass(frozen=True)
-class DelaySamples:
+class DelaySamples(WireInstrument, kind="delay_samples"):
     """Gives the value read `samples` readings ago, `initial` (unit of the wire) until then."""
 
-    kind: ClassVar[str] = "delay_samples"
-    samples: int
-    initial: float = 0.0
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_whole(self, "samples", 0, LONGEST_DELAY)
-        check_number(self, "initial")
+    samples: Readings
+    initial: Number = 0.0
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out_k = in_{k−samples}."""
@@ -237,18 +207,12 @@ class DelaySamples:
 
 
 @dataclass(frozen=True)
-class Dropout:
+class Dropout(WireInstrument, kind="dropout"):
     """Loses each reading with `probability`, independently; the reader then sees the last one
     that arrived (`mode` "hold"; the very first reading always arrives) or 0 ("zero")."""
 
-    kind: ClassVar[str] = "dropout"
-    probability: float
-    mode: str = "hold"
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "probability", at_least=0.0, at_most=1.0)
-        check_choice(self, "mode", "hold", "zero")
+    probability: Probability
+    mode: DropoutMode = "hold"
 
     @property
     def source(self) -> SignalSource | None:
@@ -264,20 +228,14 @@ class Dropout:
 
 
 @dataclass(frozen=True)
-class Lag:
+class Lag(WireInstrument, kind="lag"):
     """A first-order sensor, T·dy/dt + y = u with `time_constant` T (s), settled on the first
     reading. Exact for a value that moves in straight lines between the readings:
 
     y_k = a·y_{k−1} + (1 − b)·u_k + (b − a)·u_{k−1},  a = exp(−h/T),  b = (1 − a)·T/h
     """
 
-    kind: ClassVar[str] = "lag"
-    time_constant: float
-    source: ClassVar[SignalSource | None] = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_time(self, "time_constant", positive=True)
+    time_constant: Duration
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """The recursion with h = `sample_time`."""
@@ -286,21 +244,34 @@ class Lag:
         return _block(steps.lag_step, unit, (a, 1.0 - b, b - a), (0.0, 0.0, 0.0))
 
 
-_KINDS: tuple[type[Any], ...] = (
-    Noise,
-    Disturbance,
-    Bias,
-    Gain,
-    Quantisation,
-    Saturation,
-    RateLimit,
-    DelaySamples,
-    Dropout,
-    Lag,
-    ValueMap,
-)
+@dataclass(frozen=True)
+class ValueMap(WireInstrument, kind="value_map"):
+    """Replaces values as the pairs (from, to) of `table` say, such as codes of a mode; what is not
+    named stays."""
 
-IMPERFECTIONS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}
+    table: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        """Checks the table."""
+        pairs = self.table
+        legal = isinstance(pairs, list | tuple) and all(
+            isinstance(pair, list | tuple) and len(pair) == 2 and all(map(is_number, pair))
+            for pair in pairs
+        )
+        if not legal:
+            raise ExperimentError(
+                f"{label(self)}: 'table' must hold pairs of numbers, got {pairs!r}"
+            )
+        object.__setattr__(self, "table", tuple((float(a), float(b)) for a, b in pairs))
+        if len({a for a, _ in self.table}) != len(self.table):
+            raise ExperimentError(f"{label(self)}: 'table' maps a value twice: {pairs!r}")
+
+    def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
+        """out = what the table says of in."""
+        return _block(steps.value_map_step, unit, tuple(chain.from_iterable(self.table)))
+
+
+IMPERFECTIONS = WireInstrument.kinds
 
 
 def make_imperfection(kind: str, parameters: Mapping[str, Any]) -> Imperfection:

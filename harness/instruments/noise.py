@@ -7,17 +7,23 @@ chunks changes nothing. Two parts of one signal never share a generator.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator, SeedSequence
 
 from harness.clock import nearest_nanosecond, seconds_of
-from harness.errors import ExperimentError
-from harness.instruments.checks import check_number, check_time, check_unit, label
+from harness.instruments.checks import (
+    Duration,
+    NotNegative,
+    Number,
+    Positive,
+    Probability,
+    Signal,
+    check_order,
+)
 from harness.instruments.source import (
+    FunctionSampler,
     Sampler,
     Times,
     Values,
@@ -27,68 +33,42 @@ from harness.instruments.source import (
 
 
 @dataclass(frozen=True)
-class IndependentSampler:
-    """One independent draw a sample instant: `draw(n)` gives the next n values."""
-
-    draw: Callable[[int], Values]
-
-    def sample(self, times_ns: Times) -> Values:
-        """The next `len(times_ns)` draws."""
-        return self.draw(len(times_ns))
-
-
-@dataclass(frozen=True)
-class WhiteNoise:
+class WhiteNoise(Signal, kind="white_noise"):
     """One independent normal value a sample instant: `std` its standard deviation, `mean`.
 
     Its spectrum therefore reaches to half the rate of whoever reads it; for a density that does
     not depend on the reader take `band_limited_noise`.
     """
 
-    kind: ClassVar[str] = "white_noise"
-    std: float
-    mean: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "std", at_least=0.0)
-        check_number(self, "mean")
-        check_unit(self)
+    std: NotNegative
+    mean: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws mean + std·n, n standard normal."""
         normal = generator(seed).standard_normal
-        return IndependentSampler(lambda n: self.mean + self.std * normal(n))
+        return FunctionSampler(lambda times_ns: self.mean + self.std * normal(len(times_ns)))
 
 
 @dataclass(frozen=True)
-class UniformNoise:
+class UniformNoise(Signal, kind="uniform"):
     """One independent value a sample instant, uniform in [low, high)."""
 
-    kind: ClassVar[str] = "uniform"
-    low: float
-    high: float
-    unit: str | None = None
+    low: Number
+    high: Number
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_number(self, "low")
-        check_number(self, "high")
-        if self.low > self.high:
-            raise ExperimentError(
-                f"{label(self)}: 'high' must not be below 'low' {self.low!r}, got {self.high!r}"
-            )
-        check_unit(self)
+        super().__post_init__()
+        check_order(self, "low", "high")
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws low + (high − low)·r, r uniform in [0, 1)."""
-        uniform = generator(seed).random
-        return IndependentSampler(lambda n: self.low + (self.high - self.low) * uniform(n))
+        width, uniform = self.high - self.low, generator(seed).random
+        return FunctionSampler(lambda times_ns: self.low + width * uniform(len(times_ns)))
 
 
 @dataclass(frozen=True)
-class HeavyTailedNoise:
+class HeavyTailedNoise(Signal, kind="heavy_tailed_noise"):
     """One independent value a sample instant: mean + scale·τ, τ of Student's t with `dof` ν
     degrees of freedom (any ν > 0).
 
@@ -96,58 +76,44 @@ class HeavyTailedNoise:
     else infinite; ν = 1 is the Cauchy distribution.
     """
 
-    kind: ClassVar[str] = "heavy_tailed_noise"
-    scale: float
-    dof: float = 3.0
-    mean: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "scale", at_least=0.0)
-        check_number(self, "dof", above=0.0)
-        check_number(self, "mean")
-        check_unit(self)
+    scale: NotNegative
+    dof: Positive = 3.0
+    mean: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws mean + scale·τ."""
         student = generator(seed).standard_t
-        return IndependentSampler(lambda n: self.mean + self.scale * student(self.dof, n))
+
+        def draw(times_ns: Times) -> Values:
+            return self.mean + self.scale * student(self.dof, len(times_ns))
+
+        return FunctionSampler(draw)
 
 
 @dataclass(frozen=True)
-class ContaminatedNoise:
+class ContaminatedNoise(Signal, kind="contaminated_noise"):
     """Tukey's contaminated normal: normal with `std`, but with probability `epsilon` ε the
     standard deviation is `ratio` r times as large (an outlier).
 
     Variance std²·(1 − ε + ε r²); kurtosis 3·(1 − ε + ε r⁴)/(1 − ε + ε r²)².
     """
 
-    kind: ClassVar[str] = "contaminated_noise"
-    std: float
-    epsilon: float = 0.05
-    ratio: float = 10.0
-    mean: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "std", at_least=0.0)
-        check_number(self, "epsilon", at_least=0.0, at_most=1.0)
-        check_number(self, "ratio", at_least=0.0)
-        check_number(self, "mean")
-        check_unit(self)
+    std: NotNegative
+    epsilon: Probability = 0.05
+    ratio: NotNegative = 10.0
+    mean: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws a normal value from one stream and whether it is an outlier from another."""
         normal = generator(child_seed(seed, 0)).standard_normal
         uniform = generator(child_seed(seed, 1)).random
 
-        def draw(n: int) -> Values:
+        def draw(times_ns: Times) -> Values:
+            n = len(times_ns)
             std = np.where(uniform(n) < self.epsilon, self.std * self.ratio, self.std)
             return self.mean + std * normal(n)
 
-        return IndependentSampler(draw)
+        return FunctionSampler(draw)
 
 
 @dataclass
@@ -179,7 +145,7 @@ class HeldNoiseSampler:
 
 
 @dataclass(frozen=True)
-class BandLimitedNoise:
+class BandLimitedNoise(Signal, kind="band_limited_noise"):
     """White noise up to a bandwidth: a new normal value every `sample_time` T (s), held between.
 
     `power` P is the height of the two-sided power spectral density at low frequency, in unit²/Hz
@@ -187,18 +153,9 @@ class BandLimitedNoise:
     within 5 % up to f = 1/(8T). The grid of T begins at the first instant that is sampled.
     """
 
-    kind: ClassVar[str] = "band_limited_noise"
-    power: float
-    sample_time: float
-    mean: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "power", at_least=0.0)
-        check_time(self, "sample_time", positive=True)
-        check_number(self, "mean")
-        check_unit(self)
+    power: NotNegative
+    sample_time: Duration
+    mean: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the value in force."""
@@ -217,7 +174,7 @@ class LowPassNoiseSampler:
     omega: float
     random: Generator
     previous: int | None = None
-    value: float = field(default=0.0)
+    value: float = 0.0
 
     def sample(self, times_ns: Times) -> Values:
         """The process at each instant; the first value has the stationary distribution."""
@@ -239,7 +196,7 @@ class LowPassNoiseSampler:
 
 
 @dataclass(frozen=True)
-class LowPassNoise:
+class LowPassNoise(Signal, kind="low_pass_noise"):
     """Coloured noise of standard deviation `std` whose density is flat up to `bandwidth` f_b (Hz)
     and falls by 20 dB a decade beyond: the Ornstein–Uhlenbeck process, sampled exactly.
 
@@ -247,18 +204,9 @@ class LowPassNoise:
     two-sided density std²/(π f_b) / (1 + (f/f_b)²). It does not depend on the reader's rate.
     """
 
-    kind: ClassVar[str] = "low_pass_noise"
-    std: float
-    bandwidth: float
-    mean: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "std", at_least=0.0)
-        check_number(self, "bandwidth", above=0.0)
-        check_number(self, "mean")
-        check_unit(self)
+    std: NotNegative
+    bandwidth: Positive
+    mean: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the last instant and value."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 from numpy.random import SeedSequence
@@ -12,97 +13,18 @@ from numpy.typing import NDArray
 from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError
 from harness.instruments.checks import (
+    Duration,
+    Number,
+    Signal,
+    Time,
+    Waveform,
     check_number,
-    check_numbers,
-    check_time,
-    check_unit,
     check_whole,
     label,
 )
-from harness.instruments.source import (
-    PureSampler,
-    Sampler,
-    Times,
-    Values,
-    generator,
-)
+from harness.instruments.source import FunctionSampler, Sampler, Times, Values, generator
 
-
-@dataclass(frozen=True)
-class Pulse:
-    """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
-    seconds where one is given."""
-
-    kind: ClassVar[str] = "pulse"
-    amplitude: float
-    width: float
-    start_time: float = 0.0
-    period: float | None = None
-    bias: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_numbers(self, "amplitude", "bias")
-        check_time(self, "width", positive=True)
-        check_time(self, "start_time")
-        if self.period is not None:
-            check_time(self, "period", positive=True)
-            if self.width > self.period:
-                raise ExperimentError(
-                    f"{label(self)}: 'width' must be at most 'period' {self.period!r}, "
-                    f"got {self.width!r}"
-                )
-        check_unit(self)
-
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
-        period = None if self.period is None else nearest_nanosecond(self.period)
-        low, high = float(self.bias), float(self.bias + self.amplitude)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = times_ns - start
-            within = elapsed if period is None else elapsed % period
-            return np.where((elapsed >= 0) & (within < width), high, low)
-
-        return PureSampler(values)
-
-
-@dataclass(frozen=True)
-class Square:
-    """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
-    the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
-
-    kind: ClassVar[str] = "square"
-    amplitude: float
-    period: float
-    duty: float = 0.5
-    start_time: float = 0.0
-    bias: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_numbers(self, "amplitude", "bias")
-        check_time(self, "period", positive=True)
-        check_time(self, "start_time")
-        check_number(self, "duty", above=0.0, below=1.0)
-        check_unit(self)
-
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
-        width = nearest_nanosecond(self.duty * self.period)
-        low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = times_ns - start
-            waves = np.where(elapsed % period < width, high, low)
-            return np.where(elapsed >= 0, waves, float(self.bias))
-
-        return PureSampler(values)
-
+OpenShare = Annotated[float, partial(check_number, above=0.0, below=1.0)]
 
 # Exponents of a primitive polynomial over GF(2) of each order: the register then runs through
 # all 2^order − 1 states that are not zero.
@@ -122,6 +44,60 @@ PRIMITIVE_TAPS: dict[int, tuple[int, ...]] = {
     15: (15, 14),
     16: (16, 15, 13, 4),
 }
+RegisterOrder = Annotated[
+    int, partial(check_whole, low=min(PRIMITIVE_TAPS), high=max(PRIMITIVE_TAPS))
+]
+
+
+@dataclass(frozen=True)
+class Pulse(Waveform, kind="pulse"):
+    """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
+    seconds where one is given."""
+
+    amplitude: Number
+    width: Duration
+    start_time: Time = 0.0
+    period: Duration | None = None
+    bias: Number = 0.0
+
+    def __post_init__(self) -> None:
+        """Checks every field."""
+        super().__post_init__()
+        if self.period is not None and self.width > self.period:
+            raise ExperimentError(
+                f"{label(self)}: 'width' must be at most 'period' {self.period!r}, "
+                f"got {self.width!r}"
+            )
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
+        period = None if self.period is None else nearest_nanosecond(self.period)
+        low, high = float(self.bias), float(self.bias + self.amplitude)
+        elapsed = times_ns - start
+        within = elapsed if period is None else elapsed % period
+        return np.where((elapsed >= 0) & (within < width), high, low)
+
+
+@dataclass(frozen=True)
+class Square(Waveform, kind="square"):
+    """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
+    the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
+
+    amplitude: Number
+    period: Duration
+    duty: OpenShare = 0.5
+    start_time: Time = 0.0
+    bias: Number = 0.0
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
+        width = nearest_nanosecond(self.duty * self.period)
+        low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
+        elapsed = times_ns - start
+        waves = np.where(elapsed % period < width, high, low)
+        return np.where(elapsed >= 0, waves, float(self.bias))
 
 
 def maximal_length_bits(order: int) -> NDArray[np.int8]:
@@ -139,7 +115,7 @@ def maximal_length_bits(order: int) -> NDArray[np.int8]:
 
 
 @dataclass(frozen=True)
-class Prbs:
+class Prbs(Signal, kind="prbs"):
     """bias ± amplitude by a maximal-length pseudo-random binary sequence, held for `bit_time` (s)
     on a grid anchored at time 0.
 
@@ -147,19 +123,10 @@ class Prbs:
     −amplitude²/(2^order − 1) at all others. The seed chooses where in the period it begins.
     """
 
-    kind: ClassVar[str] = "prbs"
-    amplitude: float
-    bit_time: float
-    order: int = 7
-    bias: float = 0.0
-    unit: str | None = None
-
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_numbers(self, "amplitude", "bias")
-        check_time(self, "bit_time", positive=True)
-        check_whole(self, "order", min(PRIMITIVE_TAPS), max(PRIMITIVE_TAPS))
-        check_unit(self)
+    amplitude: Number
+    bit_time: Duration
+    order: RegisterOrder = 7
+    bias: Number = 0.0
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler without memory whose place in the period comes from `seed`."""
@@ -167,4 +134,4 @@ class Prbs:
         levels = self.bias + np.where(high, float(self.amplitude), -float(self.amplitude))
         begin = int(generator(seed).integers(len(levels)))
         bit = nearest_nanosecond(self.bit_time)
-        return PureSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])
+        return FunctionSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])

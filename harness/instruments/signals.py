@@ -6,74 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from harness.errors import ExperimentError
-from harness.instruments.checks import build
-from harness.instruments.composition import Function, Scaled, Sum, Windowed
-from harness.instruments.csv_signal import CsvSignal
-from harness.instruments.noise import (
-    BandLimitedNoise,
-    ContaminatedNoise,
-    HeavyTailedNoise,
-    LowPassNoise,
-    UniformNoise,
-    WhiteNoise,
-)
-from harness.instruments.pulses import Prbs, Pulse, Square
-from harness.instruments.source import Sampler, SignalSource, named_seed
-from harness.instruments.waveforms import Chirp, Constant, MultiStep, Ramp, Sine, Step
+from harness.instruments import composition, csv_signal, noise, pulses, waveforms
+from harness.instruments.checks import Signal, build
+from harness.instruments.source import SignalSource
 
-__all__ = [
-    "SIGNALS",
-    "BandLimitedNoise",
-    "Chirp",
-    "Constant",
-    "ContaminatedNoise",
-    "CsvSignal",
-    "Function",
-    "HeavyTailedNoise",
-    "LowPassNoise",
-    "MultiStep",
-    "Prbs",
-    "Pulse",
-    "Ramp",
-    "Sampler",
-    "Scaled",
-    "SignalSource",
-    "Sine",
-    "Square",
-    "Step",
-    "Sum",
-    "UniformNoise",
-    "WhiteNoise",
-    "Windowed",
-    "make_signal",
-    "named_seed",
-    "with_signals",
-]
-
-_KINDS: tuple[type[Any], ...] = (
-    Constant,
-    Step,
-    MultiStep,
-    Ramp,
-    Sine,
-    Chirp,
-    Square,
-    Pulse,
-    Prbs,
-    WhiteNoise,
-    BandLimitedNoise,
-    LowPassNoise,
-    HeavyTailedNoise,
-    ContaminatedNoise,
-    UniformNoise,
-    CsvSignal,
-    Function,
-    Sum,
-    Scaled,
-    Windowed,
-)
-
-SIGNALS: dict[str, type[Any]] = {one.kind: one for one in _KINDS}
+MODULES = (waveforms, pulses, noise, csv_signal, composition)  # they register their kinds
+SIGNALS = Signal.kinds
 
 
 def make_signal(kind: str, parameters: Mapping[str, Any]) -> SignalSource:

@@ -45,8 +45,8 @@ class SignalSource(Protocol):
 
 
 @dataclass(frozen=True)
-class PureSampler:
-    """A sampler without memory: each value depends on its own instant only."""
+class FunctionSampler:
+    """A sampler that is a function of the instants, which may draw from a random generator."""
 
     function: Callable[[Times], Values]
 

@@ -5,184 +5,149 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import ClassVar
+from functools import cached_property, partial
+from typing import Annotated
 
 import numpy as np
-from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond, seconds_of
 from harness.errors import ExperimentError
 from harness.instruments.checks import (
+    Duration,
+    NotNegative,
+    Number,
+    Time,
+    Waveform,
     check_choice,
     check_number,
-    check_numbers,
     check_one_of,
-    check_time,
-    check_unit,
     is_number,
     label,
 )
-from harness.instruments.source import (
-    PureSampler,
-    Sampler,
-    Times,
-    Values,
-)
+from harness.instruments.source import Times, Values
 
 TWO_PI = 2.0 * math.pi
+Sweep = Annotated[str, partial(check_choice, legal=("linear", "logarithmic"))]
 
 
 @dataclass(frozen=True)
-class Constant:
+class Constant(Waveform, kind="constant"):
     """The same `value` at every instant."""
 
-    kind: ClassVar[str] = "constant"
-    value: float
-    unit: str | None = None
+    value: Number
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_number(self, "value")
-        check_unit(self)
-
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        return PureSampler(lambda times_ns: np.full(len(times_ns), float(self.value)))
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        return np.full(len(times_ns), float(self.value))
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Waveform, kind="step"):
     """`initial` before `time` (s), `final` at it and after."""
 
-    kind: ClassVar[str] = "step"
-    final: float
-    time: float = 0.0
-    initial: float = 0.0
-    unit: str | None = None
+    final: Number
+    time: Time = 0.0
+    initial: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        check_numbers(self, "final", "initial")
-        check_time(self, "time")
-        check_unit(self)
-
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         edge = nearest_nanosecond(self.time)
         low, high = float(self.initial), float(self.final)
-        return PureSampler(lambda times_ns: np.where(times_ns >= edge, high, low))
+        return np.where(times_ns >= edge, high, low)
 
 
 @dataclass(frozen=True)
-class MultiStep:
+class MultiStep(Waveform, kind="multi_step"):
     """`values[i]` from `times[i]` (s) on, `initial` before the first of them."""
 
-    kind: ClassVar[str] = "multi_step"
     times: tuple[float, ...]
     values: tuple[float, ...]
-    initial: float = 0.0
-    unit: str | None = None
+    initial: Number = 0.0
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_number(self, "initial")
-        check_unit(self)
+        super().__post_init__()
         for name in ("times", "values"):
             given = getattr(self, name)
-            if not isinstance(given, tuple) or not all(is_number(one) for one in given):
+            if not isinstance(given, tuple) or not all(map(is_number, given)):
                 raise ExperimentError(f"{label(self)}: {name!r} must hold numbers, got {given!r}")
         if len(self.times) != len(self.values) or not self.times:
             raise ExperimentError(
                 f"{label(self)}: 'times' and 'values' must be of one length, at least 1, got "
                 f"{len(self.times)} and {len(self.values)}"
             )
-        edges = [nearest_nanosecond(one) for one in self.times]
-        if any(later <= earlier for earlier, later in pairwise(edges)):
+        if np.any(np.diff(self._edges) <= 0):
             raise ExperimentError(
                 f"{label(self)}: 'times' must increase by at least 1 ns, got {self.times!r}"
             )
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
-        edges = np.array([nearest_nanosecond(one) for one in self.times], dtype=np.int64)
-        levels = np.array([self.initial, *self.values], dtype=np.float64)
-        return PureSampler(lambda times_ns: levels[np.searchsorted(edges, times_ns, "right")])
+    @cached_property
+    def _edges(self) -> Times:
+        return np.array(list(map(nearest_nanosecond, self.times)), dtype=np.int64)
+
+    @cached_property
+    def _levels(self) -> Values:
+        return np.array([self.initial, *self.values], dtype=np.float64)
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        return self._levels[np.searchsorted(self._edges, times_ns, "right")]
 
 
 @dataclass(frozen=True)
-class Ramp:
+class Ramp(Waveform, kind="ramp"):
     """`initial` until `start_time` (s), then rising by `slope` a second, held from `end_time` on
     where one is given."""
 
-    kind: ClassVar[str] = "ramp"
-    slope: float
-    start_time: float = 0.0
-    end_time: float | None = None
-    initial: float = 0.0
-    unit: str | None = None
+    slope: Number
+    start_time: Time = 0.0
+    end_time: Time | None = None
+    initial: Number = 0.0
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_numbers(self, "slope", "initial")
-        check_time(self, "start_time")
-        if self.end_time is not None:
-            check_time(self, "end_time")
-            if self.end_time < self.start_time:
-                raise ExperimentError(
-                    f"{label(self)}: 'end_time' must not be before 'start_time' "
-                    f"{self.start_time!r}, got {self.end_time!r}"
-                )
-        check_unit(self)
+        super().__post_init__()
+        if self.end_time is not None and self.end_time < self.start_time:
+            raise ExperimentError(
+                f"{label(self)}: 'end_time' must not be before 'start_time' "
+                f"{self.start_time!r}, got {self.end_time!r}"
+            )
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start = nearest_nanosecond(self.start_time)
         end = None if self.end_time is None else nearest_nanosecond(self.end_time)
-
-        def values(times_ns: Times) -> Values:
-            elapsed = np.clip(times_ns, start, end) - start
-            return self.initial + self.slope * seconds_of(elapsed)
-
-        return PureSampler(values)
+        elapsed = np.clip(times_ns, start, end) - start
+        return self.initial + self.slope * seconds_of(elapsed)
 
 
 @dataclass(frozen=True)
-class Sine:
+class Sine(Waveform, kind="sine"):
     """bias + amplitude·sin(2π·frequency·t + phase), phase in rad; the frequency is given either
     as `frequency` in Hz or as `angular_frequency` in rad/s."""
 
-    kind: ClassVar[str] = "sine"
-    amplitude: float
-    frequency: float | None = None
-    angular_frequency: float | None = None
-    phase: float = 0.0
-    bias: float = 0.0
-    unit: str | None = None
+    amplitude: Number
+    frequency: NotNegative | None = None
+    angular_frequency: NotNegative | None = None
+    phase: Number = 0.0
+    bias: Number = 0.0
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_numbers(self, "amplitude", "phase", "bias")
+        super().__post_init__()
         check_one_of(self, "frequency", "angular_frequency")
-        given = "frequency" if self.frequency is not None else "angular_frequency"
-        check_number(self, given, at_least=0.0)
-        check_unit(self)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         omega = self.angular_frequency
         if omega is None:
             assert self.frequency is not None
             omega = TWO_PI * self.frequency
-
-        def values(times_ns: Times) -> Values:
-            return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
-
-        return PureSampler(values)
+        return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
 
 
 @dataclass(frozen=True)
-class Chirp:
+class Chirp(Waveform, kind="chirp"):
     """bias + amplitude·sin(φ(τ) + phase), τ = t − start_time, whose frequency φ'/2π goes from
     `start_frequency` f0 to `end_frequency` f1 (Hz) over `duration` T (s).
 
@@ -192,29 +157,21 @@ class Chirp:
     Before `start_time` φ = 0; after T the frequency stays f1, without a jump in phase.
     """
 
-    kind: ClassVar[str] = "chirp"
-    amplitude: float
-    start_frequency: float
-    end_frequency: float
-    duration: float
-    sweep: str = "linear"
-    start_time: float = 0.0
-    phase: float = 0.0
-    bias: float = 0.0
-    unit: str | None = None
+    amplitude: Number
+    start_frequency: NotNegative
+    end_frequency: NotNegative
+    duration: Duration
+    sweep: Sweep = "linear"
+    start_time: Time = 0.0
+    phase: Number = 0.0
+    bias: Number = 0.0
 
     def __post_init__(self) -> None:
         """Checks every field."""
-        check_numbers(self, "amplitude", "phase", "bias")
-        check_choice(self, "sweep", "linear", "logarithmic")
-        for name in ("start_frequency", "end_frequency"):
-            if self.sweep == "linear":
-                check_number(self, name, at_least=0.0)
-            else:
-                check_number(self, name, above=0.0)
-        check_time(self, "duration", positive=True)
-        check_time(self, "start_time")
-        check_unit(self)
+        super().__post_init__()
+        if self.sweep == "logarithmic":
+            check_number(self, "start_frequency", above=0.0)
+            check_number(self, "end_frequency", above=0.0)
 
     def angle(self, elapsed: Values) -> Values:
         """φ (rad) at `elapsed` seconds since `start_time`."""
@@ -228,12 +185,8 @@ class Chirp:
             cycles = f0 * T / rate * np.expm1(rate * tau / T)
         return TWO_PI * (cycles + f1 * after)
 
-    def sampler(self, seed: SeedSequence) -> Sampler:
-        """A sampler without memory; the seed is not used."""
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
         start = nearest_nanosecond(self.start_time)
-
-        def values(times_ns: Times) -> Values:
-            angle = self.angle(seconds_of(times_ns - start))
-            return self.bias + self.amplitude * np.sin(angle + self.phase)
-
-        return PureSampler(values)
+        angle = self.angle(seconds_of(times_ns - start))
+        return self.bias + self.amplitude * np.sin(angle + self.phase)

@@ -37,10 +37,9 @@ from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
 from harness.participants.participant import Participant
 from harness.participants.signal import SignalParticipant
-from harness.system.arrays import expand_arrays
 from harness.system.check import check
 from harness.system.graph import Endpoint, System
-from harness.system.lowering import DelayComponent, lower
+from harness.system.lowering import DelayComponent, expand_arrays, lower
 
 _FIRST_CHUNK = 64
 _CHUNK_SECONDS = 0.05

@@ -33,9 +33,9 @@ from harness.fmi.binding.interface import CO_SIMULATION
 from harness.fmi.fmu import Fmu
 from harness.master.plan.planner import Plan
 from harness.master.program.link import Program
+from harness.results.atomic import atomic_write
 from harness.results.manifest import COMPLETE, read_manifest, software_versions
 from harness.results.storage import CSV_FILE, seal
-from harness.results.whole import whole
 from harness.system.graph import BlockComponent, Component, FmuComponent, PythonComponent
 from harness.system.policy import capabilities_of, interface_of
 
@@ -194,7 +194,7 @@ def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
 def write_checkpoint(folder: Path, content: bytes) -> None:
     """Put a checkpoint into the run folder in place of the one before it, whole or not at all."""
     try:
-        with whole(folder / CHECKPOINT_FILE) as partial, partial.open("wb") as file:
+        with atomic_write(folder / CHECKPOINT_FILE) as partial, partial.open("wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())

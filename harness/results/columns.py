@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -76,15 +75,6 @@ def bare_name(instance: str, variable: str) -> str:
     """The column of a variable where only one FMU is recorded: its own name, or
     `instance.variable` for a variable that is called as the column of the time."""
     return f"{instance}.{variable}" if variable == TIME else variable
-
-
-def element_names(name: str, shape: tuple[int, ...]) -> list[str]:
-    """The names of the columns of a variable: its own, or one for each element, `a[1,2]`, counted
-    from 1 in row-major order."""
-    if not shape:
-        return [name]
-    places = itertools.product(*(range(1, size + 1) for size in shape))
-    return [f"{name}[{','.join(map(str, place))}]" for place in places]
 
 
 def array_shapes(names: Iterable[str]) -> dict[str, tuple[int, ...]]:

@@ -155,11 +155,10 @@ def _texts(result: Result, reference: ReferenceTable, name: str, band: Band) -> 
     judged = _overlap(result.time, reference.time, band)
     at, cells = result.time[judged], reference.columns[name]
     own = [str(one) for one in result[name][judged]]
-    inside = np.zeros(len(at), dtype=np.bool_)
-    for i, text in enumerate(own):
-        first = int(np.searchsorted(reference.time, at[i] - band.time, "right"))
-        last = int(np.searchsorted(reference.time, at[i] + band.time, "right"))
-        inside[i] = text in cells[max(first - 1, 0) : max(last, 1)]
+    first = np.maximum(np.searchsorted(reference.time, at - band.time, "right") - 1, 0)
+    last = np.maximum(np.searchsorted(reference.time, at + band.time, "right"), 1)
+    windows = zip(own, first, last, strict=True)
+    inside = np.array([text in cells[a:b] for text, a, b in windows], dtype=np.bool_)
     return _agreement(name, at, inside, 0.0 if inside.all() else float("nan"), band)
 
 

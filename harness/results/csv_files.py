@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import RecordingError, UsageError
-from harness.results.columns import TIME, Column, element_names
+from harness.fmi.description.model_description import element_names
+from harness.results.atomic import atomic_write
+from harness.results.columns import TIME, Column
 from harness.results.result import Result
-from harness.results.whole import whole
 
 
 def write_csv(result: Result, path: Path) -> None:
@@ -33,7 +34,7 @@ def write_csv(result: Result, path: Path) -> None:
     ]
     table = pa.Table.from_arrays(arrays, names=[TIME, *result.names])
     try:
-        with whole(path) as partial, partial.open("wb") as file:
+        with atomic_write(path) as partial, partial.open("wb") as file:
             write_csv_header(file, result.columns)
             write_csv_rows(file, table)
     except OSError as fault:

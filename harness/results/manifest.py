@@ -7,7 +7,6 @@ platform, seeds, FMU hashes, the resolved experiment, and how far it came.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 import os
 import platform
@@ -20,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import RecordingError
+from harness.results.atomic import atomic_write
 from harness.results.columns import Column
-from harness.results.whole import whole
 
 FILE_NAME = "manifest.json"
 DEPENDENCIES = ("fmpy", "numpy", "scipy", "casadi", "numba", "llvmlite", "pythonfmu", "pyarrow")
@@ -76,7 +75,7 @@ class Manifest:
     def write(self, folder: Path) -> None:
         """Writes `manifest.json`, whole or not at all."""
         text = json.dumps(dataclasses.asdict(self), indent=2, default=_plain, ensure_ascii=False)
-        with whole(folder / FILE_NAME) as partial:
+        with atomic_write(folder / FILE_NAME) as partial:
             partial.write_text(text + "\n", encoding="utf-8")
 
 
@@ -108,26 +107,17 @@ def is_complete(folder: Path) -> bool:
 
 def software_versions() -> dict[str, str]:
     """Versions of Python, the harness and what it computes with; "not installed" where absent."""
-    return dict(_installed())
+    packages = {name: _installed(name) for name in ("fmu-harness", *DEPENDENCIES)}
+    return {"python": platform.python_version(), **packages}
 
 
 @cache
-def _installed() -> Mapping[str, str]:
+def _installed(package: str) -> str:
     """Read once a process: a run takes less time than to read them."""
-    found = {"python": platform.python_version()}
-    for name in ("fmu-harness", *DEPENDENCIES):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
-
-
-def fmu_record(instance: str, path: Path) -> FmuRecord:
-    """The record of an FMU file: its name and hash."""
-    with path.open("rb") as archive:
-        digest = hashlib.file_digest(archive, "sha256").hexdigest()
-    return FmuRecord(instance, path.name, digest)
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def _plain(value: Any) -> Any:

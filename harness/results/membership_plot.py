@@ -7,22 +7,23 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harness.errors import UsageError
 from harness.results.plots import (
-    DPI,
     PALETTE,
     PANEL_HEIGHT,
     WIDTH,
     axis_label,
     legend_of_all,
+    new_figure,
     style_axes,
 )
 
 Array = NDArray[np.float64]
+_BEFORE: dict[str, Any] = {"linestyle": (0, (3, 2)), "linewidth": 1.0}
+_AFTER: dict[str, Any] = {"linewidth": 1.8}
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,26 +44,20 @@ def membership_plot(
     in its colour."""
     if [one.variable for one in before] != [one.variable for one in after] or not before:
         raise UsageError("membership functions before and after must be of the same variables")
-    figure = Figure(
-        figsize=(WIDTH, 0.9 + PANEL_HEIGHT * len(before)), dpi=DPI, layout="constrained"
-    )
-    FigureCanvasAgg(figure)
+    figure = new_figure((WIDTH, 0.9 + PANEL_HEIGHT * len(before)), title)
     axes = list(np.atleast_1d(figure.subplots(len(before), 1)))
     for old, new, panel in zip(before, after, axes, strict=True):
         style_axes(panel)
         for index, term in enumerate(old.terms):
             color = PALETTE[index % len(PALETTE)]
-            dashed: dict[str, Any] = {"color": color, "linestyle": (0, (3, 2)), "linewidth": 1.0}
-            panel.plot(old.grid, support(old.terms[term]), label=f"{term} before", **dashed)
-            solid: dict[str, Any] = {"color": color, "linewidth": 1.8}
-            panel.plot(new.grid, support(new.terms[term]), label=f"{term} after", **solid)
+            for curves, when, style in ((old, "before", _BEFORE), (new, "after", _AFTER)):
+                degrees, label = support(curves.terms[term]), f"{term} {when}"
+                panel.plot(curves.grid, degrees, label=label, color=color, **style)
         panel.set_xlabel(axis_label(old.variable, old.unit))
         panel.set_ylabel(axis_label("degree of membership", "1"))
         panel.set_ylim(-0.03, 1.05)
     legend_of_all(figure, axes, columns=max(len(one.terms) for one in before))
     figure.align_ylabels()
-    if title:
-        figure.suptitle(title, fontsize="large")
     return figure
 
 

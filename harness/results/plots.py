@@ -18,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.errors import RecordingError, UsageError
-from harness.results.whole import whole
+from harness.results.atomic import atomic_write
 
 if TYPE_CHECKING:
     from harness.results.result import Result
@@ -50,15 +50,21 @@ def axis_label(quantity: str, unit: str) -> str:
 
 def panels(count: int, title: str, *, height: float = PANEL_HEIGHT) -> tuple[Figure, list[Axes]]:
     """A figure with `count` panels above each other that share the time axis."""
-    figure = Figure(figsize=(WIDTH, 1.1 + height * count), dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure((WIDTH, 1.1 + height * count), title)
     axes = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
     for one in axes:
         style_axes(one)
     axes[-1].set_xlabel(axis_label("time", "s"))
+    return figure, axes
+
+
+def new_figure(size: tuple[float, float], title: str) -> Figure:
+    """An empty figure of a width and height in inches, which pyplot does not know."""
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
     if title:
         figure.suptitle(title, fontsize="large")
-    return figure, axes
+    return figure
 
 
 def style_axes(axes: Axes) -> None:
@@ -85,73 +91,27 @@ def legend(axes: Axes) -> None:
     )
 
 
-def response_plot(
-    variants: Variants, response: str, reference: str | None = None, *, title: str = ""
-) -> Figure:
-    """The response of every variant over the reference (of the first variant)."""
-    figure, (axes,) = panels(1, title, height=3.4)
-    draw_response(axes, variants, response, reference)
-    legend(axes)
-    return figure
-
-
-def control_plot(variants: Variants, control: str, *, title: str = "") -> Figure:
-    """The control of every variant, held between its samples."""
-    figure, (axes,) = panels(1, title, height=3.4)
-    draw_control(axes, variants, control)
-    legend(axes)
-    return figure
-
-
-def error_plot(variants: Variants, response: str, reference: str, *, title: str = "") -> Figure:
-    """reference − response of every variant."""
-    figure, (axes,) = panels(1, title, height=3.4)
-    draw_error(axes, variants, response, reference)
-    legend(axes)
-    return figure
-
-
 def overview_plot(
     variants: Variants, response: str, reference: str, control: str, *, title: str = ""
 ) -> Figure:
-    """Response, error and control above each other, with one legend."""
+    """Above each other, with one legend: the response of every variant over the reference (of the
+    first variant), the error reference − response, and the control, held between its samples."""
+    first = next(iter(_some(variants).values()))
     figure, (top, middle, bottom) = panels(3, title)
-    draw_response(top, variants, response, reference)
-    draw_error(middle, variants, response, reference)
-    draw_control(bottom, variants, control)
+    middle.axhline(0.0, color="0.4", linewidth=0.8)
+    for index, (name, result) in enumerate(variants.items()):
+        style, y = line_style(index), result.numbers(response)
+        top.plot(result.time, y, label=name, **style)
+        middle.plot(result.time, result.numbers(reference) - y, label=name, **style)
+        bottom.plot(result.time, result.numbers(control), label=name, **style | STEPS)
+    held = REFERENCE_STYLE | STEPS
+    top.plot(first.time, first.numbers(reference), label="reference", **held)
+    top.set_ylabel(axis_label(quantity(response), first.unit(response)))
+    middle.set_ylabel(axis_label("error", first.unit(response)))
+    bottom.set_ylabel(axis_label(quantity(control), first.unit(control)))
     legend(top)
     figure.align_ylabels()
     return figure
-
-
-def draw_response(axes: Axes, variants: Variants, response: str, reference: str | None) -> None:
-    """Adds the responses, and the reference above them."""
-    for index, (name, result) in enumerate(_some(variants).items()):
-        axes.plot(result.time, result.numbers(response), label=name, **line_style(index))
-    first = next(iter(variants.values()))
-    if reference is not None:
-        held = REFERENCE_STYLE | STEPS
-        axes.plot(first.time, first.numbers(reference), label="reference", **held)
-    axes.set_ylabel(axis_label(_quantity(response), first.unit(response)))
-
-
-def draw_control(axes: Axes, variants: Variants, control: str) -> None:
-    """Adds the controls as steps."""
-    for index, (name, result) in enumerate(_some(variants).items()):
-        style = line_style(index) | STEPS
-        axes.plot(result.time, result.numbers(control), label=name, **style)
-    first = next(iter(variants.values()))
-    axes.set_ylabel(axis_label(_quantity(control), first.unit(control)))
-
-
-def draw_error(axes: Axes, variants: Variants, response: str, reference: str) -> None:
-    """Adds the errors and the line of no error."""
-    axes.axhline(0.0, color="0.4", linewidth=0.8)
-    for index, (name, result) in enumerate(_some(variants).items()):
-        error = result.numbers(reference) - result.numbers(response)
-        axes.plot(result.time, error, label=name, **line_style(index))
-    unit = next(iter(variants.values())).unit(response)
-    axes.set_ylabel(axis_label("error", unit))
 
 
 def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -> Figure:
@@ -167,7 +127,7 @@ def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -
                 panel.plot(result.time, result.numbers(signal), label=name, **style)
         if unit is None:
             raise UsageError(f"no variant recorded {signal!r}; nothing can be drawn of it")
-        panel.set_ylabel(axis_label(_quantity(signal), unit))
+        panel.set_ylabel(axis_label(quantity(signal), unit))
     legend_of_all(figure, axes)
     figure.align_ylabels()
     return figure
@@ -207,7 +167,7 @@ def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Fi
         for index, name in enumerate(shown):
             style = line_style(index) | ({} if result.column(name).continuous else STEPS)
             panel.plot(result.time, result.numbers(name), label=name, **style)
-        panel.set_ylabel(axis_label("value" if len(shown) > 1 else _quantity(shown[0]), unit))
+        panel.set_ylabel(axis_label("value" if len(shown) > 1 else quantity(shown[0]), unit))
         legend(panel)
     figure.align_ylabels()
     return figure
@@ -223,7 +183,7 @@ def save_figure(path: Path, figure: Figure) -> Path:
     missing; raises `RecordingError`."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole(path) as partial:
+        with atomic_write(path) as partial:
             figure.savefig(partial)
     except (OSError, ValueError) as fault:
         raise RecordingError(f"cannot write the figure {path}: {fault}") from fault
@@ -236,6 +196,6 @@ def _some(variants: Variants) -> Variants:
     return variants
 
 
-def _quantity(name: str) -> str:
+def quantity(name: str) -> str:
     """ "actuator.force" reads as "force" beside an axis."""
     return name.rpartition(".")[2].replace("_", " ")

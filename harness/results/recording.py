@@ -23,12 +23,11 @@ from __future__ import annotations
 import errno
 import os
 import time as clock
-from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +79,7 @@ class Recording:
         self._chunks: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
         self._texts: list[str | bytes] = []
         self._last: float | None = None
+        self._file: Any = None
         self._stream: Any = None
         self._lock: FolderLock | None = None
         if self.folder is not None:
@@ -94,25 +94,35 @@ class Recording:
         import pyarrow as pa
 
         self._schema = schema_of(self.columns)
-        kept = [] if continued is None else list(first_rows(folder, continued))
+        earlier = [] if continued is None else list(first_rows(folder, continued))
         path = folder / STREAM_FILE
         partial = path if continued is None else path.with_suffix(".partial")
-        try:
+        with self._writing("cannot write into the run folder"):
             if continued is None:
                 check_empty(folder)
                 self._manifest.write(folder)
             self._file = partial.open("wb")
             self._stream = pa.ipc.new_stream(self._file, self._schema)
-            for batch in kept:
+            for batch in earlier:
                 self._stream.write_batch(batch)
             self._file.flush()
             if continued is not None:
                 partial.replace(path)
                 self._manifest.write(folder)
+        if earlier:
+            self._last = earlier[-1].column(0)[-1].as_py()
+
+    @contextmanager
+    def _writing(self, what: str) -> Iterator[None]:
+        """Where the system refuses, nothing more goes into the stream; what is in it stays."""
+        try:
+            yield
         except OSError as fault:
-            raise RecordingError(f"cannot write into the run folder {folder}: {fault}") from fault
-        if kept:
-            self._last = kept[-1].column(0)[-1].as_py()
+            self._stream = None
+            if self._file is not None:
+                with suppress(OSError):
+                    self._file.close()
+            raise RecordingError(f"{what} {self.folder}: {fault}") from fault
 
     @property
     def until(self) -> float:
@@ -167,30 +177,19 @@ class Recording:
 
         values = [np.ascontiguousarray(times), *self._values(rows)]
         arrays = map(pa.array, values, self._schema.types)
-        try:
+        with self._writing("cannot write rows into"):
             self._stream.write_batch(pa.record_batch(list(arrays), schema=self._schema))
             self._file.flush()
-        except OSError as fault:
-            self._abandon()
-            raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
 
     def _values(self, rows: NDArray[np.float64]) -> list[Any]:
         cells = np.ascontiguousarray(rows.T)
         return [values_of(c, one, self._texts) for c, one in zip(self.columns, cells, strict=True)]
 
-    def _abandon(self) -> None:
-        """Nothing more goes into the stream; what is in it stays."""
-        self._stream = None
-        with suppress(OSError):
-            self._file.close()
-
     def sync(self) -> None:
         """When it returns, the rows appended so far survive also the end of the machine."""
         if self._stream is not None:
-            try:
+            with self._writing("cannot write rows into"):
                 os.fsync(self._file.fileno())
-            except OSError as fault:
-                raise RecordingError(f"cannot write rows into {self.folder}: {fault}") from fault
 
     def finish(self, reason: str = "", *, keep_stream: bool = False) -> Result:
         """Ends the recording and gives the result; with a `reason` the run is incomplete, and the
@@ -223,12 +222,11 @@ class Recording:
             return status
         try:
             self._close()
-            if (self.folder / STREAM_FILE).stat().st_size <= _QUICK_BYTES:
-                seal(self.folder, self._manifest, keep_stream=keep_stream)
-            else:
-                self._manifest.write(self.folder)
-        except OSError as fault:
-            raise RecordingError(f"cannot close the rows in {self.folder}: {fault}") from fault
+            with self._writing("cannot close the rows in"):
+                if (self.folder / STREAM_FILE).stat().st_size <= _QUICK_BYTES:
+                    seal(self.folder, self._manifest, keep_stream=keep_stream)
+                else:
+                    self._manifest.write(self.folder)
         finally:
             self._stream = None
             if self._lock is not None:
@@ -249,25 +247,16 @@ class Recording:
         return Result.of(self.columns, time, self._values(rows), self._manifest)
 
     def _close(self) -> None:
-        if self._stream is None:
-            return
-        try:
-            self._stream.close()
-            self._file.close()
-        except OSError as fault:
-            self._abandon()
-            raise RecordingError(f"cannot close the rows in {self.folder}: {fault}") from fault
+        if self._stream is not None:
+            with self._writing("cannot close the rows in"):
+                self._stream.close()
+                self._file.close()
 
-    def __enter__(self) -> Recording:
+    def __enter__(self) -> Self:
         """This recording."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        fault: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, fault: BaseException | None, trace: object) -> None:
         """Finishes it; at once where Ctrl-C or the end of the process passes through."""
         reason = "" if fault is None else f"{type(fault).__name__}: {fault}"
         if fault is None or isinstance(fault, Exception):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -138,14 +138,13 @@ class Result:
     @property
     def not_finite(self) -> tuple[str, ...]:
         """One phrase for each column that has NaN or infinity."""
-        return tuple(self._not_finite())
-
-    def _not_finite(self) -> Iterator[str]:
-        for name, index in self._index.items():
-            odd = np.flatnonzero(~np.isfinite(self.data[:, index]))
-            if odd.size:
-                at, value = self.time[odd[0]], self.data[odd[0], index]
-                yield f"{name} is {value} at t = {at:.9g} s, the first of {odd.size} such rows"
+        odd = {name: np.flatnonzero(~np.isfinite(self.numbers(name))) for name in self._index}
+        return tuple(
+            f"{name} is {self.numbers(name)[rows[0]]} at t = {self.time[rows[0]]:.9g} s, the first "
+            f"of {rows.size} such rows"
+            for name, rows in odd.items()
+            if rows.size
+        )
 
     def with_metrics(self, metrics: Mapping[str, float | None]) -> Result:
         """The same result with these metrics."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 SHORTEST_SEGMENT = 3  # samples; a reference that moves more often is no sequence of steps
 
 
+def _figure(unit: str) -> Any:
+    """A field in a unit that may depend on those of the response, y, and of the control, u."""
+    return field(metadata={"unit": unit})
+
+
 @dataclass(frozen=True)
 class TrackingMetrics:
     """What can be said for any reference; definitions in `harness.results.metrics`.
@@ -25,16 +30,16 @@ class TrackingMetrics:
     response times s; control figures in the unit of the control.
     """
 
-    steady_state_mean: float
-    steady_state_rms: float
-    steady_state_max: float
-    iae: float
-    ise: float
-    itae: float
-    control_effort: float
-    control_rms: float
-    actuator_travel: float
-    lost_loop: bool
+    steady_state_mean: float = _figure("%")
+    steady_state_rms: float = _figure("%")
+    steady_state_max: float = _figure("%")
+    iae: float = _figure("{y}·s")
+    ise: float = _figure("{y}²·s")
+    itae: float = _figure("{y}·s²")
+    control_effort: float = _figure("{u}²·s")
+    control_rms: float = _figure("{u}")
+    actuator_travel: float = _figure("{u}")
+    lost_loop: bool = _figure("0 or 1")
 
 
 @dataclass(frozen=True)
@@ -47,40 +52,24 @@ class StepMetrics:
     initial: float
     final: float
     band: float
-    delay_time: float | None
-    rise_time: float | None
-    overshoot: float
-    settling_time: float | None
     tracking: TrackingMetrics
+    delay_time: float | None = _figure("s")
+    rise_time: float | None = _figure("s")
+    overshoot: float = _figure("%")
+    settling_time: float | None = _figure("s")
 
     def as_dict(self) -> dict[str, float | None]:
         """The figures by name, flat, for tables and files; `lost_loop` as 0 or 1."""
-        own = {
-            "delay_time": self.delay_time,
-            "rise_time": self.rise_time,
-            "overshoot": self.overshoot,
-            "settling_time": self.settling_time,
-        }
-        return own | {k: float(v) for k, v in dataclasses.asdict(self.tracking).items()}
+        own = {one.name: getattr(self, one.name) for one in fields(self) if one.metadata}
+        return own | {name: float(value) for name, value in asdict(self.tracking).items()}
 
 
 def metric_units(response_unit: str, control_unit: str) -> dict[str, str]:
     """The unit of each name in `StepMetrics.as_dict`."""
     return {
-        "delay_time": "s",
-        "rise_time": "s",
-        "overshoot": "%",
-        "settling_time": "s",
-        "steady_state_mean": "%",
-        "steady_state_rms": "%",
-        "steady_state_max": "%",
-        "iae": f"{response_unit}·s",
-        "ise": f"{response_unit}²·s",
-        "itae": f"{response_unit}·s²",
-        "control_effort": f"{control_unit}²·s",
-        "control_rms": control_unit,
-        "actuator_travel": control_unit,
-        "lost_loop": "0 or 1",
+        one.name: one.metadata["unit"].format(y=response_unit, u=control_unit)
+        for one in (*fields(StepMetrics), *fields(TrackingMetrics))
+        if one.metadata
     }
 
 
@@ -107,29 +96,6 @@ def tracking_metrics(
     )
 
 
-def step_metrics(
-    time: Array,
-    reference: Array,
-    response: Array,
-    control: Array,
-    *,
-    band: float = 0.02,
-    window: float = 0.1,
-) -> StepMetrics:
-    """The metrics of a reference with one step.
-
-    A reference that is constant throughout counts as a step at the first sample, from the
-    response found there. Raises `UsageError` where the reference has several steps
-    (`segment_metrics` takes those) or none.
-    """
-    found = segment_metrics(time, reference, response, control, band=band, window=window)
-    if len(found) != 1:
-        raise UsageError(
-            f"the reference has {len(found)} steps where one was expected; use segment_metrics"
-        )
-    return found[0]
-
-
 def segment_metrics(
     time: Array,
     reference: Array,
@@ -142,7 +108,9 @@ def segment_metrics(
     """The metrics of each step of the reference, each from its step to the sample before the next.
 
     What comes before the first change of the reference belongs to no step, except where the
-    response starts elsewhere than the reference: then that is the first step.
+    response starts elsewhere than the reference: then that is the first step. So a reference that
+    is constant throughout counts as a step at the first sample. Raises `UsageError` for a reference
+    that is no sequence of steps.
     """
     check_arrays(time, reference=reference, response=response, control=control)
     made = []

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,16 +10,15 @@ from typing import Any
 import numpy as np
 
 from harness.errors import RecordingError
+from harness.results.atomic import atomic_write
 from harness.results.columns import TIME, Column, schema_of
 from harness.results.csv_files import write_csv_header, write_csv_rows
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
 from harness.results.result import Result
-from harness.results.whole import whole
 
 STREAM_FILE = "rows.arrows"
 PARQUET_FILE = "results.parquet"
 CSV_FILE = "results.csv"
-METRICS_FILE = "metrics.json"
 ROWS_A_BLOCK = 65_536
 
 
@@ -46,7 +43,8 @@ def seal(
         return read_recording(folder)
     written = manifest or read_manifest(folder)
     try:
-        last = _convert(folder, stream, written.columns)
+        with atomic_write(folder / PARQUET_FILE) as table, atomic_write(folder / CSV_FILE) as text:
+            last = _convert(stream, written.columns, table, text)
         if written.status.state == RUNNING:
             status = RunStatus(INCOMPLETE, last, reason or "the run ended without a word")
             written = replace(written, status=status)
@@ -57,9 +55,6 @@ def seal(
         raise RecordingError(
             f"cannot write the results into {folder}: {fault}; its rows are in {STREAM_FILE}"
         ) from fault
-    finally:
-        for name in (PARQUET_FILE, CSV_FILE):
-            (folder / (name + ".partial")).unlink(missing_ok=True)
     return read_recording(folder)
 
 
@@ -99,7 +94,7 @@ def _result(table: Any, manifest: Manifest, folder: Path) -> Result:
         for known, column in zip(manifest.columns, columns, strict=True)
     ]
     result = Result.of(manifest.columns, np.array(time), values, manifest)
-    return replace(result, folder=folder, metrics=read_metrics(folder))
+    return replace(result, folder=folder)
 
 
 def _whole_batches(stream: Path) -> Iterator[Any]:
@@ -148,44 +143,15 @@ def _blocks(stream: Path) -> Iterator[Any]:
         yield pa.Table.from_batches(held).combine_chunks()
 
 
-def _convert(folder: Path, stream: Path, columns: Sequence[Column]) -> float | None:
-    """Writes Parquet and CSV beside the stream; the last time (s), None where it has no row."""
+def _convert(stream: Path, columns: Sequence[Column], table: Path, text: Path) -> float | None:
+    """Writes the rows of the stream as Parquet and CSV; the last time (s), None without rows."""
     import pyarrow.parquet as parquet
 
-    schema = schema_of(columns)
     last: float | None = None
-    parquet_part, csv_part = folder / (PARQUET_FILE + ".partial"), folder / (CSV_FILE + ".partial")
-    with parquet.ParquetWriter(parquet_part, schema) as table_file, csv_part.open("wb") as csv_file:
-        write_csv_header(csv_file, columns)
+    with parquet.ParquetWriter(table, schema_of(columns)) as table_file, text.open("wb") as file:
+        write_csv_header(file, columns)
         for block in _blocks(stream):
             last = block.column(TIME)[-1].as_py()
             table_file.write_table(block)
-            write_csv_rows(csv_file, block)
-    parquet_part.replace(folder / PARQUET_FILE)
-    csv_part.replace(folder / CSV_FILE)
+            write_csv_rows(file, block)
     return last
-
-
-def write_metrics(folder: Path, metrics: Mapping[str, float | None]) -> None:
-    """Writes `metrics.json` into a run folder; what is not finite is written as a string."""
-    plain = {
-        name: value if value is None or math.isfinite(value) else str(float(value))
-        for name, value in metrics.items()
-    }
-    try:
-        with whole(folder / METRICS_FILE) as partial:
-            partial.write_text(json.dumps(plain, indent=2) + "\n", encoding="utf-8")
-    except OSError as fault:
-        raise RecordingError(f"cannot write the metrics into {folder}: {fault}") from fault
-
-
-def read_metrics(folder: Path) -> dict[str, float | None]:
-    """The metrics of a run folder, none where there are none."""
-    path = folder / METRICS_FILE
-    if not path.exists():
-        return {}
-    try:
-        held = json.loads(path.read_text(encoding="utf-8"))
-        return {name: None if value is None else float(value) for name, value in held.items()}
-    except (OSError, ValueError, AttributeError) as fault:
-        raise RecordingError(f"{path} cannot be read as metrics: {fault!r}") from fault

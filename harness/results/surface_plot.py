@@ -12,11 +12,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from harness.errors import UsageError
-from harness.results.plots import DPI, axis_label
+from harness.results.plots import axis_label, new_figure, quantity
 from harness.results.result import Result
 
 COLUMNS, PANEL = 2, 4.2
@@ -41,10 +40,7 @@ def surfaces_plot(
     rows = -(-len(signals) // COLUMNS)
     columns = min(len(signals), COLUMNS)
     size = (PANEL * columns + 0.6, 0.85 * PANEL * rows + 0.6)
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    if title:
-        figure.suptitle(title, fontsize="large")
+    figure = new_figure(size, title)
     for place, name in enumerate(signals, 1):
         axes: Any = figure.add_subplot(rows, columns, place, projection="3d")
         z = result.numbers(name)
@@ -57,4 +53,4 @@ def surfaces_plot(
 
 
 def _named(result: Result, name: str) -> str:
-    return axis_label(name.rpartition(".")[2].replace("_", " "), result.unit(name))
+    return axis_label(quantity(name), result.unit(name))

@@ -6,9 +6,8 @@ rates that share no cycle) is judged by the planner, still before anything is lo
 
 from __future__ import annotations
 
-import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 
@@ -22,11 +21,11 @@ from harness.fmi.description.model_description import (
     Variable,
 )
 from harness.fmi.start_values import judge_start_values
+from harness.system.block import BlockSignal
 from harness.system.graph import (
     ALGEBRAIC_LOOPS,
     Component,
     Connection,
-    Convergence,
     Endpoint,
     FmuComponent,
     SensitivityComponent,
@@ -54,10 +53,7 @@ def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, Po
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
         return {v.name: port_info(v, d) for v in _ports(d) if v.causality in _READABLE}
-    return {
-        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
-        for s in component.outputs
-    }
+    return _signals(component.outputs)
 
 
 def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, PortInfo]:
@@ -65,9 +61,12 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
         return {v.name: port_info(v, d) for v in _ports(d) if _writable(v)}
+    return _signals(component.inputs)
+
+
+def _signals(signals: Iterable[BlockSignal]) -> dict[str, PortInfo]:
     return {
-        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description)
-        for s in component.inputs
+        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description) for s in signals
     }
 
 
@@ -76,7 +75,7 @@ def check(system: System, descriptions: Descriptions) -> None:
     faults = list(_component_faults(system, descriptions))
     if not faults:
         faults = [f for c in system.connections for f in _wire_faults(system, c, descriptions)]
-        faults += _wiring_faults(system, descriptions)
+        faults += _wiring_faults(system)
     if faults:
         raise GraphError("\n".join(faults))
 
@@ -89,7 +88,11 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
     if system.algebraic_loops not in ALGEBRAIC_LOOPS:
         hint = nearest(system.algebraic_loops, ALGEBRAIC_LOOPS)
         yield f"algebraic_loops {system.algebraic_loops!r} is unknown; {hint}"
-    yield from _convergence_faults(system.convergence)
+    convergence = system.convergence
+    if not 0.0 < convergence.tolerance < 1.0:
+        yield f"coupling tolerance {convergence.tolerance:g} must lie between 0 and 1"
+    if convergence.max_iterations < 2:
+        yield f"max_iterations {convergence.max_iterations} must be at least 2"
     if system.stop_ns <= system.start_ns and not system.single:
         yield f"stop time {show(system.stop_ns)} is not after start time {show(system.start_ns)}"
     for name, count in Counter(c.name for c in system.components).items():
@@ -111,20 +114,13 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
             yield from _sensitivity_faults(component, names, descriptions)
 
 
-def _convergence_faults(convergence: Convergence) -> Iterator[str]:
-    if not 0.0 < convergence.tolerance < 1.0:
-        yield f"coupling tolerance {convergence.tolerance:g} must lie between 0 and 1"
-    if convergence.max_iterations < 2:
-        yield f"max_iterations {convergence.max_iterations} must be at least 2"
-
-
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     try:
         interface_of(component.policy, d)
     except HarnessError as fault:
         yield f"component {component.name}: {fault}"
     tolerance = component.policy.tolerance
-    if tolerance is not None and not (math.isfinite(tolerance) and tolerance > 0):
+    if tolerance is not None and not (isfinite(tolerance) and tolerance > 0):
         yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
     given, validate = component.start_values, component.policy.validate
     try:
@@ -218,7 +214,7 @@ def _extrapolation_faults(
         yield f"{label}: only real numbers can be extrapolated, not {kinds}"
 
 
-def _wiring_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
+def _wiring_faults(system: System) -> Iterator[str]:
     targets: dict[Endpoint, list[Connection]] = {}
     for connection in system.connections:
         targets.setdefault(connection.target, []).append(connection)
@@ -229,18 +225,12 @@ def _wiring_faults(system: System, descriptions: Descriptions) -> Iterator[str]:
     for component in system.components:
         if isinstance(component, FmuComponent):
             continue
-        for name in inputs_of(component, descriptions):
-            if Endpoint(component.name, name) not in targets and not _optional(component, name):
+        for signal in component.inputs:
+            end = Endpoint(component.name, signal.name)
+            if end not in targets and not getattr(signal, "optional", False):
                 yield (
-                    f"input {component.name}.{name} is not connected; connect a signal to it, "
-                    "for instance a constant"
+                    f"input {end} is not connected; connect a signal to it, for instance a constant"
                 )
-
-
-def _optional(component: Component, name: str) -> bool:
-    if isinstance(component, FmuComponent):
-        return True
-    return any(s.name == name and getattr(s, "optional", False) for s in component.inputs)
 
 
 def _ports(d: ModelDescription) -> Iterator[Variable]:

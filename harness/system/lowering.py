@@ -1,4 +1,9 @@
-"""Reduces what is put on wires to components, so that the planner knows components only.
+"""Reduces arrays, and what is put on wires, to components, so that the planner knows scalars only.
+
+Every signal inside the harness is a scalar. An element of an array of FMI 3 is a port of its own,
+"a[1]" or "a[2,3]" with indices from 1. A wire between whole arrays of equal dimensions stands for
+one wire an element; what is on it is on each of them. Arrays of different dimensions, and an array
+and a scalar, are not wired: the check of the system names both.
 
 A wire with imperfections becomes a chain of blocks, one an imperfection, run at the rate of the
 reader (of the source where the reader is an FMU); a random or added source becomes a signal
@@ -6,19 +11,29 @@ component. A wire with a delay becomes a delay line that runs when values arrive
 sample instants of the source, even between the instants of everything else. The chain works in
 the unit of the source; the last wire converts it to that of the target.
 
+The delay line runs before everything else at its instant, so that with depth 0 it passes on what
+was held until then; that is how a delay of one sample comes about without a memory of its own. What
+it gives before the first value arrives is filled in when a run is initialised: the initial value of
+its source.
+
 The components made here are named after the wire's target: "controller.measured/noise",
 "plant.command/delay".
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
+import numpy as np
+
 from harness.clock import to_seconds
+from harness.fmi.description.model_description import element_names
+from harness.instruments.imperfection_steps import delay_step, pass_step
 from harness.instruments.imperfections import Imperfection
+from harness.system.block import KernelBlock, Port
 from harness.system.check import Descriptions, inputs_of, outputs_of
-from harness.system.delay import delay_block
 from harness.system.graph import (
     BlockComponent,
     Component,
@@ -97,6 +112,33 @@ def rate_of(component: Component) -> Rate:
     if isinstance(component, FmuComponent):
         return Rate(component.step_ns)
     return Rate(component.period_ns, component.phase_ns)
+
+
+def expand_arrays(system: System, descriptions: Descriptions) -> System:
+    """`system` with wires between whole arrays replaced by wires between their elements."""
+    connections = tuple(
+        one for connection in system.connections for one in _expanded(connection, descriptions)
+    )
+    return replace(system, connections=connections)
+
+
+def _expanded(connection: Connection, descriptions: Descriptions) -> Iterator[Connection]:
+    ends = (connection.source, connection.target)
+    found = [
+        descriptions[end.component].variables.get(end.variable)
+        for end in ends
+        if end.component in descriptions
+    ]
+    arrays = [variable for variable in found if variable is not None and variable.shape]
+    if len(arrays) < 2 or arrays[0].shape != arrays[1].shape:
+        yield connection
+        return
+    for one, other in zip(*(element_names(v.name, v.shape) for v in arrays), strict=True):
+        yield replace(
+            connection,
+            source=Endpoint(connection.source.component, one),
+            target=Endpoint(connection.target.component, other),
+        )
 
 
 def lower(system: System, descriptions: Descriptions) -> LoweredSystem:
@@ -184,3 +226,9 @@ class _Chain:
             for c in self.made
         )
         return f"{self.target}/{kind}" + (str(taken + 1) if taken else "")
+
+
+def delay_block(depth: int) -> KernelBlock:
+    """A delay of `depth` executions; its state is the next place and a ring of `depth` values."""
+    step = delay_step if depth else pass_step
+    return KernelBlock((Port("in"),), (Port("out"),), step, state=np.zeros(1 + depth))

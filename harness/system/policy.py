@@ -40,11 +40,9 @@ SOLVER_TOLERANCE = 1e-6
 SOLVERS = ("cvode", "euler", "rk4", "dopri5")
 DISCARDED_STEPS = ("divide", "fail")
 
-_ALIASES: dict[str, InterfaceType] = {
-    "cs": CO_SIMULATION, "cosimulation": CO_SIMULATION,
-    "me": MODEL_EXCHANGE, "modelexchange": MODEL_EXCHANGE,
-    "se": SCHEDULED_EXECUTION, "scheduledexecution": SCHEDULED_EXECUTION,
-}  # fmt: skip
+_KINDS: tuple[InterfaceType, ...] = (CO_SIMULATION, MODEL_EXCHANGE, SCHEDULED_EXECUTION)
+_BY_NAME = {kind.replace("-", ""): kind for kind in _KINDS}
+_BY_NAME |= dict(zip(("cs", "me", "se"), _KINDS, strict=True))
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ def interface(name: str | None, d: ModelDescription) -> InterfaceType:
     Raises `UsageError` for an unknown kind and `FmuError` where the FMU lacks it.
     """
     if name is not None:
-        kind = _ALIASES.get(name.lower().replace("-", "").replace("_", "").replace(" ", ""))
+        kind = _BY_NAME.get(name.lower().replace("-", "").replace("_", "").replace(" ", ""))
         if kind is None:
             raise UsageError(
                 f"interface type {name!r} is unknown; choose co-simulation, model-exchange or "

@@ -18,7 +18,7 @@ from fractions import Fraction
 from harness.errors import UnitError
 
 Exponents = tuple[int, ...]
-_NAMES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _NONE: Exponents = (0,) * 8
 
 
@@ -33,7 +33,7 @@ class Unit:
 
 
 def _base(name: str, factor: float = 1.0, offset: float = 0.0, /, **exponents: int) -> Unit:
-    return Unit(name, tuple(exponents.get(n, 0) for n in _NAMES), factor, offset)
+    return Unit(name, tuple(exponents.get(n, 0) for n in BASE_UNITS), factor, offset)
 
 
 KNOWN: Mapping[str, Unit] = {
@@ -91,9 +91,7 @@ def conversion(source: Unit | None, target: Unit | None) -> tuple[float, float]:
     (1, 0) where either is not stated, or both have the same name. Raises `UnitError` when the
     exponents differ, or when different names cannot be compared for want of a definition.
     """
-    if source is None or target is None or not source.name or not target.name:
-        return 1.0, 0.0
-    if source.name == target.name and source == target:
+    if source is None or target is None or not source.name or not target.name or source == target:
         return 1.0, 0.0
     if source.exponents is None or target.exponents is None:
         if source.name == target.name:
@@ -127,5 +125,7 @@ def exact_conversion(source: Unit | None, target: Unit | None) -> tuple[Fraction
 
 def _dimension(unit: Unit) -> str:
     assert unit.exponents is not None
-    terms = [f"{n}{e if e != 1 else ''}" for n, e in zip(_NAMES, unit.exponents, strict=True) if e]
+    terms = [
+        f"{n}{e if e != 1 else ''}" for n, e in zip(BASE_UNITS, unit.exponents, strict=True) if e
+    ]
     return ".".join(terms) or "dimensionless"

@@ -13,7 +13,7 @@ import numpy as np
 
 from harness import Bench, Fmu, simulate
 from harness.inspection.subject import Subject
-from harness.instruments.source import PureSampler
+from harness.instruments.source import FunctionSampler
 from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
 from tests.every_way.plain_driver import drive
@@ -29,10 +29,10 @@ class Staircase:
     steps: Steps
     unit: str | None = None
 
-    def sampler(self, seed: Any) -> PureSampler:
+    def sampler(self, seed: Any) -> FunctionSampler:
         times = np.array([t for t, _ in self.steps])
         values = np.array([float(v) for _, v in self.steps])
-        return PureSampler(lambda ns: values[np.searchsorted(times, ns, side="right") - 1])
+        return FunctionSampler(lambda ns: values[np.searchsorted(times, ns, side="right") - 1])
 
 
 def _at(steps: Steps, seconds: float) -> Any:

@@ -10,8 +10,8 @@ import pytest
 from harness.experiment.experiment import Experiment
 from harness.experiment.study import run_study
 from harness.process.isolation import missing
+from harness.results.atomic import atomic_write
 from harness.results.recording import read_recording
-from harness.results.whole import whole
 from tests.hostile.test_killed_processes_lose_no_run import write
 
 LIMITED = """
@@ -96,7 +96,7 @@ def test_a_file_in_place_of_which_none_can_be_written_stays(tmp_path: Path) -> N
     study = run_study(Experiment.load(write(tmp_path, 0.1)))
     path = study.write(tmp_path)
     before = path.read_bytes()
-    with pytest.raises(OSError), whole(path) as partial:
+    with pytest.raises(OSError), atomic_write(path) as partial:
         partial.write_bytes(before[:10])
         raise OSError(28, "No space left on device")
     assert path.read_bytes() == before and len(list(tmp_path.glob("*study*"))) == 1

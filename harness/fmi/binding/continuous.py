@@ -17,13 +17,9 @@ from numpy.typing import NDArray
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.mark import calling, returned
 
-_NAMES = {
-    "derivatives": ("GetDerivatives", "GetDerivatives", "GetContinuousStateDerivatives"),
-    "nominals": (
-        "GetNominalContinuousStates", "GetNominalsOfContinuousStates",
-        "GetNominalsOfContinuousStates",
-    ),
-}  # fmt: skip
+_DERIVATIVES = ("GetDerivatives", "GetDerivatives", "GetContinuousStateDerivatives")
+_NOMINALS = ("GetNominalContinuousStates", *["GetNominalsOfContinuousStates"] * 2)
+"""What the functions are called in FMI 1, 2 and 3."""
 
 
 class ContinuousPart:
@@ -33,15 +29,17 @@ class ContinuousPart:
         """Bind what the sizes call for; raises `FmuError` where a function is missing."""
         d = instance.description
         self.instance = instance
-        self.nx, self.nz = state_count(instance), indicator_count(instance)
+        self.nx, self.nz = d.number_of_continuous_states, d.number_of_event_indicators
+        if d.fmi_major == 3:  # with the structural parameters in force
+            self.nx = sum(instance.count(d.variable(rate)) for _, rate in d.states)
+            self.nz = sum(instance.count(d.variable(name)) for name in d.event_indicators)
         version = d.fmi_major - 1
         self.set_time: Callable[[float], int] = self._bind("SetTime", ctypes.c_double)
         self.set_states = self._vector("SetContinuousStates", self.nx)
         self.get_states = self._vector("GetContinuousStates", self.nx)
-        self.get_derivatives = self._vector(_NAMES["derivatives"][version], self.nx)
+        self.derivatives_name, self.nominals_name = _DERIVATIVES[version], _NOMINALS[version]
+        self.get_derivatives = self._vector(self.derivatives_name, self.nx)
         self.get_indicators = self._vector("GetEventIndicators", self.nz)
-        self.derivatives_name = _NAMES["derivatives"][version]
-        self.nominals_name = _NAMES["nominals"][version]
 
     def _bind(self, name: str, *types: Any) -> Any:
         prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
@@ -65,15 +63,11 @@ class ContinuousPart:
 
     def states(self) -> NDArray[np.float64]:
         """The continuous states, shape (nx,); raises `FmuError`."""
-        x = np.zeros(self.nx)
-        self.instance.check(self.get_states(x.ctypes.data), "GetContinuousStates")
-        return x
+        return self._read(self.get_states, self.nx, "GetContinuousStates")
 
     def indicators(self) -> NDArray[np.float64]:
         """The event indicators, shape (nz,); raises `FmuError`."""
-        z = np.zeros(self.nz)
-        self.instance.check(self.get_indicators(z.ctypes.data), "GetEventIndicators")
-        return z
+        return self._read(self.get_indicators, self.nz, "GetEventIndicators")
 
     def nominals(self) -> NDArray[np.float64]:
         """The nominal values of the states, shape (nx,): 1 where the FMU does not say."""
@@ -82,37 +76,24 @@ class ContinuousPart:
 
     def stated_nominals(self) -> NDArray[np.float64]:
         """The nominal values as the FMU states them, shape (nx,): legal or not."""
-        nominal = np.ones(self.nx)
         name = self.nominals_name
         if self.nx and self.instance.offers(name):
-            status = self._vector(name, self.nx)(nominal.ctypes.data)
-            self.instance.check(status, name)
-        return nominal
+            return self._read(self._vector(name, self.nx), self.nx, name, before=1.0)
+        return np.ones(self.nx)
 
     def derivatives(self) -> NDArray[np.float64]:
         """The derivatives of the states, shape (nx,); raises `FmuError`."""
-        rates = np.zeros(self.nx)
-        self.instance.check(self.get_derivatives(rates.ctypes.data), "Get(derivatives)")
-        return rates
+        return self._read(self.get_derivatives, self.nx, "Get(derivatives)")
+
+    def _read(
+        self, function: Callable[[int], int], size: int, name: str, before: float = 0.0
+    ) -> NDArray[np.float64]:
+        values = np.full(size, before)
+        self.instance.check(function(values.ctypes.data), name)
+        return values
 
     def move(self, time: float, x: NDArray[np.float64]) -> None:
         """Set time and states; raises `FmuError`."""
         check = self.instance.check
         check(self.set_time(time), "SetTime", f" to {time:.9g} s")
         check(self.set_states(x.ctypes.data), "SetContinuousStates", f" at t = {time:.9g} s")
-
-
-def state_count(instance: FmuInstance) -> int:
-    """The number of continuous states, with the structural parameters in force."""
-    d = instance.description
-    if d.fmi_major < 3:
-        return d.number_of_continuous_states
-    return sum(instance.count(d.variable(rate)) for _, rate in d.states)
-
-
-def indicator_count(instance: FmuInstance) -> int:
-    """The number of event indicators, with the structural parameters in force."""
-    d = instance.description
-    if d.fmi_major < 3:
-        return d.number_of_event_indicators
-    return sum(instance.count(d.variable(name)) for name in d.event_indicators)

@@ -10,22 +10,12 @@ from __future__ import annotations
 
 import ctypes
 from pathlib import Path
-from typing import Any
 
 from harness.errors import FmuError
-from harness.fmi.binding.fmi2 import memory, wait
-from harness.fmi.binding.instance import (
-    CO_SIMULATION,
-    DISCARD,
-    DiscreteStates,
-    FmuInstance,
-    StepOutcome,
-)
+from harness.fmi.binding.fmi2 import Fmi1Or2Instance, memory
+from harness.fmi.binding.instance import CO_SIMULATION, DiscreteStates
 from harness.fmi.binding.logger import forget_name, register_name, variadic_logger
-from harness.fmi.binding.values import plain_accessor
-from harness.fmi.description.model_description import Variable
 
-_LAST_SUCCESSFUL_TIME = 2  # of fmiStatusKind
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"
 _TIMEOUT = 10_000.0  # ms
 
@@ -62,10 +52,10 @@ class _EventInfo(ctypes.Structure):
         )
 
 
-class Fmi1Instance(FmuInstance):
+class Fmi1Instance(Fmi1Or2Instance):
     """An instance of an FMI 1.0 FMU."""
 
-    prefix = "fmi"
+    prefix, boolean = "fmi", ctypes.c_int8
 
     def symbol(self, name: str) -> str:
         """The name of the model stands before that of the function."""
@@ -75,25 +65,22 @@ class Fmi1Instance(FmuInstance):
         self._times: tuple[float, float | None, float | None] = (0.0, None, None)
         self._first: DiscreteStates | None = None
         register_name(self.name, self.log)
-        allocate, release = memory()
+        callbacks = (variadic_logger(), *memory())
         s, p, i8 = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_int8
-        name, token = self.name.encode(), self.description.token.encode()
+        named = self.name.encode(), self.description.token.encode()
         handle: int | None
         if self.interface_type == CO_SIMULATION:
             self.free_function = "FreeSlaveInstance"
-            slave = _SlaveCallbacks(variadic_logger(), allocate, release, None)
             function = ctypes.CFUNCTYPE(
                 p, s, s, s, s, ctypes.c_double, i8, i8, _SlaveCallbacks, i8
             )(self.address("InstantiateSlave"))  # fmt: skip
-            location = folder.as_uri().encode()
-            handle = function(
-                name, token, location, _MIME_TYPE, _TIMEOUT, 0, 0, slave, int(logging)
-            )
+            place = folder.as_uri().encode(), _MIME_TYPE
+            slave = _SlaveCallbacks(*callbacks, None)
+            handle = function(*named, *place, _TIMEOUT, 0, 0, slave, int(logging))
         else:
             self.free_function = "FreeModelInstance"
-            model = _ModelCallbacks(variadic_logger(), allocate, release)
             build = ctypes.CFUNCTYPE(p, s, s, _ModelCallbacks, i8)(self.address("InstantiateModel"))
-            handle = build(name, token, model, int(logging))
+            handle = build(*named, _ModelCallbacks(*callbacks), int(logging))
         return handle
 
     def free(self) -> None:
@@ -134,23 +121,6 @@ class Fmi1Instance(FmuInstance):
                 "instantiate it again"
             )
         self.call("ResetSlave")
-
-    def advance(self, time: float, step: float) -> StepOutcome:
-        """fmiDoStep; after Discard, how far it came."""
-        arguments = (ctypes.c_double(time), ctypes.c_double(step), ctypes.c_int8(1))
-        status = wait(self, self.status("DoStep", *arguments))
-        if status == DISCARD:
-            last = ctypes.pointer(ctypes.c_double(time))
-            known = self.offers("GetRealStatus") and self.status(
-                "GetRealStatus", ctypes.c_int(_LAST_SUCCESSFUL_TIME), last
-            ) in (0, 1)  # fmt: skip
-            return StepOutcome(last.contents.value if known else time, False, False, True)
-        self.check(status, "DoStep", f" at t = {time:.9g} s")
-        return StepOutcome(time + step)
-
-    def accessor(self, variable: Variable) -> tuple[str, Any]:
-        """Real, Integer (also enumerations), Boolean (one byte) or String."""
-        return plain_accessor(variable, ctypes.c_int8, 1)
 
     # events and model exchange
 

@@ -1,8 +1,10 @@
-"""FMI 2.0: what is particular to it in instantiating, initialising and stepping an FMU."""
+"""FMI 2.0: what is particular to it in instantiating, initialising and stepping an FMU, and what
+it has in common with FMI 1.0."""
 
 from __future__ import annotations
 
 import ctypes
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from time import sleep
@@ -17,8 +19,7 @@ from harness.fmi.binding.instance import (
     StepOutcome,
 )
 from harness.fmi.binding.logger import variadic_logger
-from harness.fmi.binding.values import plain_accessor
-from harness.fmi.description.model_description import Variable
+from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
 
 _PENDING = 5
 _DO_STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3  # of fmi2StatusKind
@@ -57,10 +58,52 @@ def memory() -> tuple[int | None, int | None]:
     return addresses[0], addresses[1]
 
 
-class Fmi2Instance(FmuInstance):
+class Fmi1Or2Instance(FmuInstance):
+    """Steps and values of FMI 1.0 and 2.0."""
+
+    def advance(self, time: float, step: float) -> StepOutcome:
+        """DoStep without a state to return to; after Discard, how far it came."""
+        arguments = (ctypes.c_double(time), ctypes.c_double(step), self.boolean(1))
+        status = self._final(self.status("DoStep", *arguments))
+        if status == DISCARD:
+            terminate = self.asks_for_the_end()
+            return StepOutcome(self._last_successful_time(time), False, terminate, True)
+        self.check(status, "DoStep", f" at t = {time:.9g} s")
+        return StepOutcome(time + step)
+
+    def _final(self, status: int) -> int:
+        """The status in which a step ends that an FMU does in the background (Pending)."""
+        kind, found = ctypes.c_int(_DO_STEP_STATUS), ctypes.pointer(ctypes.c_int(status))
+        while status == _PENDING:
+            sleep(1e-4)
+            self.call("GetStatus", kind, found)
+            status = found.contents.value
+        return status
+
+    def _last_successful_time(self, time: float) -> float:
+        last, kind = ctypes.pointer(ctypes.c_double(time)), ctypes.c_int(_LAST_SUCCESSFUL_TIME)
+        known = self.offers("GetRealStatus") and self.status("GetRealStatus", kind, last) in (0, 1)
+        return last.contents.value if known else time
+
+    def accessor(self, variable: Variable) -> tuple[str, Any]:
+        """Real, Integer (also enumerations), Boolean or String."""
+        if variable.type in REAL_TYPES:
+            return "Real", ctypes.c_double
+        if variable.type in INTEGER_TYPES:
+            return "Integer", ctypes.c_int
+        others = {"Boolean": self.boolean, "String": ctypes.c_char_p}
+        if variable.type not in others:
+            raise FmuError(
+                f"variable {variable.name!r} has type {variable.type}, unknown in FMI "
+                f"{self.description.fmi_major}"
+            )
+        return variable.type, others[variable.type]
+
+
+class Fmi2Instance(Fmi1Or2Instance):
     """An instance of an FMI 2.0 FMU."""
 
-    prefix = "fmi2"
+    prefix, boolean = "fmi2", ctypes.c_int
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
         allocate, release = memory()
@@ -86,52 +129,18 @@ class Fmi2Instance(FmuInstance):
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
         """fmi2SetupExperiment and fmi2EnterInitializationMode."""
-        self.call(
-            "SetupExperiment",
-            ctypes.c_int(tolerance is not None),
-            ctypes.c_double(tolerance or 0.0),
-            ctypes.c_double(start_time),
-            ctypes.c_int(stop_time is not None),
-            ctypes.c_double(stop_time or 0.0),
-        )
+        self.call("SetupExperiment", *self.experiment(start_time, stop_time, tolerance))
         self.call("EnterInitializationMode")
-
-    def advance(self, time: float, step: float) -> StepOutcome:
-        """fmi2DoStep without a state to return to; after Discard, how far it came."""
-        arguments = (ctypes.c_double(time), ctypes.c_double(step), ctypes.c_int(1))
-        status = wait(self, self.status("DoStep", *arguments))
-        if status == DISCARD:
-            terminate = self.asks_for_the_end()
-            return StepOutcome(self._last_successful_time(time), False, terminate, True)
-        self.check(status, "DoStep", f" at t = {time:.9g} s")
-        return StepOutcome(time + step)
-
-    def _last_successful_time(self, time: float) -> float:
-        last = ctypes.pointer(ctypes.c_double(time))
-        if self.offers("GetRealStatus"):
-            status = self.status("GetRealStatus", ctypes.c_int(_LAST_SUCCESSFUL_TIME), last)
-            if status in (0, 1):
-                return last.contents.value
-        return time
 
     def asks_for_the_end(self) -> bool:
         """fmi2GetBooleanStatus(fmi2Terminated), after a step that was discarded."""
         if not self.offers("GetBooleanStatus"):
             return False
         value = ctypes.pointer(ctypes.c_int())
-        try:
+        with suppress(FmuError):  # it does not know, so the step was discarded for another reason
             self.call("GetBooleanStatus", ctypes.c_int(_TERMINATED), value)
-        except FmuError:  # it does not know, so the step was discarded for another reason
-            return False
-        return value.contents.value != 0
-
-    def enter_event_mode(self) -> None:
-        """fmi2EnterEventMode."""
-        self.call("EnterEventMode")
-
-    def leave_event_mode(self) -> None:
-        """fmi2EnterContinuousTimeMode."""
-        self.call("EnterContinuousTimeMode")
+            return value.contents.value != 0
+        return False
 
     def update_discrete_states(self) -> DiscreteStates:
         """fmi2NewDiscreteStates."""
@@ -145,23 +154,3 @@ class Fmi2Instance(FmuInstance):
             values_changed=bool(i.values_changed),
             next_event_time=i.next_event_time if i.next_event_time_defined else None,
         )
-
-    def completed_integrator_step(self) -> tuple[bool, bool]:
-        """fmi2CompletedIntegratorStep."""
-        event, end = ctypes.pointer(ctypes.c_int()), ctypes.pointer(ctypes.c_int())
-        self.call("CompletedIntegratorStep", ctypes.c_int(1), event, end)
-        return event.contents.value != 0, end.contents.value != 0
-
-    def accessor(self, variable: Variable) -> tuple[str, Any]:
-        """Real, Integer (also enumerations), Boolean or String."""
-        return plain_accessor(variable, ctypes.c_int, 2)
-
-
-def wait(instance: FmuInstance, status: int) -> int:
-    """The final status of a step that an FMU of FMI 1 or 2 does in the background (Pending)."""
-    kind, found = ctypes.c_int(_DO_STEP_STATUS), ctypes.pointer(ctypes.c_int(status))
-    while status == _PENDING:
-        sleep(1e-4)
-        instance.call("GetStatus", kind, found)
-        status = found.contents.value
-    return status

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from harness.errors import FmuError
 from harness.fmi.binding.instance import (
     CO_SIMULATION,
@@ -17,22 +19,21 @@ from harness.fmi.binding.instance import (
     StepOutcome,
 )
 from harness.fmi.binding.logger import fmi3_logger
+from harness.fmi.binding.values import NATIVE_TYPES
 from harness.fmi.description.model_description import Variable
 
 _INTERVAL_CHANGED = 2
-_TYPES = {
-    "Float32": ctypes.c_float, "Float64": ctypes.c_double, "Int8": ctypes.c_int8,
-    "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16, "UInt16": ctypes.c_uint16,
-    "Int32": ctypes.c_int32, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64,
-    "UInt64": ctypes.c_uint64, "Boolean": ctypes.c_bool, "String": ctypes.c_char_p,
-    "Binary": ctypes.py_object, "Clock": ctypes.c_bool,
-}  # fmt: skip
+_TYPES: dict[str, Any] = {
+    name: np.ctypeslib.as_ctypes_type(dtype)
+    for name, dtype in NATIVE_TYPES.items()
+    if name not in ("Real", "Integer")
+} | {"String": ctypes.c_char_p, "Binary": ctypes.py_object}
 
 
 class Fmi3Instance(FmuInstance):
     """An instance of an FMI 3.0 FMU; intermediate update is not used."""
 
-    prefix = "fmi3"
+    prefix, boolean = "fmi3", ctypes.c_bool
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
         b, s, p = ctypes.c_bool, ctypes.c_char_p, ctypes.c_void_p
@@ -58,14 +59,7 @@ class Fmi3Instance(FmuInstance):
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
         """fmi3EnterInitializationMode."""
-        self.call(
-            "EnterInitializationMode",
-            ctypes.c_bool(tolerance is not None),
-            ctypes.c_double(tolerance or 0.0),
-            ctypes.c_double(start_time),
-            ctypes.c_bool(stop_time is not None),
-            ctypes.c_double(stop_time or 0.0),
-        )
+        self.call("EnterInitializationMode", *self.experiment(start_time, stop_time, tolerance))
 
     def advance(self, time: float, step: float) -> StepOutcome:
         """fmi3DoStep without a state to return to; it may return early."""
@@ -87,15 +81,6 @@ class Fmi3Instance(FmuInstance):
         self.call("ExitConfigurationMode")
         self.description = self.description.configured(values)
 
-    def enter_event_mode(self) -> None:
-        """fmi3EnterEventMode."""
-        self.call("EnterEventMode")
-
-    def leave_event_mode(self) -> None:
-        """fmi3EnterStepMode or fmi3EnterContinuousTimeMode."""
-        stepping = self.interface_type == CO_SIMULATION
-        self.call("EnterStepMode" if stepping else "EnterContinuousTimeMode")
-
     def update_discrete_states(self) -> DiscreteStates:
         """fmi3UpdateDiscreteStates."""
         flags = [ctypes.pointer(ctypes.c_bool()) for _ in range(5)]
@@ -105,12 +90,6 @@ class Fmi3Instance(FmuInstance):
         return DiscreteStates(
             needs, end, nominals, values, time.contents.value if defined else None
         )
-
-    def completed_integrator_step(self) -> tuple[bool, bool]:
-        """fmi3CompletedIntegratorStep."""
-        event, end = ctypes.pointer(ctypes.c_bool()), ctypes.pointer(ctypes.c_bool())
-        self.call("CompletedIntegratorStep", ctypes.c_bool(True), event, end)
-        return event.contents.value, end.contents.value
 
     def interval(self, clock: str) -> float | None:
         """fmi3GetIntervalDecimal of a clock (s): None where it is not known or has not changed

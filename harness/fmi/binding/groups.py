@@ -75,31 +75,20 @@ class VariableGroup:
 
     def write(self, values: Sequence[Any]) -> None:
         """Set all elements, given in the order of the group."""
-        kept: Any = None
+        buffers: Any = None
         try:
             if self.is_binary:
-                sizes, pointers, kept = binary_pointers(list(values))
+                sizes, pointers, buffers = binary_pointers(list(values))
                 self._sizes[:], self.data[:] = sizes, pointers
             elif self.is_text:
                 self.data[:] = [str(one).encode() for one in values]
             else:
-                self.data[:] = (
-                    [v * s for v, s in zip(values, self.signs.tolist(), strict=True)]
-                    if (self.negated)
-                    else list(values)
-                )
+                signs = self.signs.tolist() if self.negated else [1] * len(values)
+                self.data[:] = [v * s if s < 0 else v for v, s in zip(values, signs, strict=True)]
         except (TypeError, ValueError, OverflowError) as fault:
             names, given = ", ".join(self.places), list(values)
             raise FmuError(
                 f"component {self.instance.name}: {names} cannot be set to {given!r}: {fault}"
             ) from fault
         self._call("Set")
-        del kept
-
-
-def grouped(instance: FmuInstance, variables: Sequence[Variable]) -> list[VariableGroup]:
-    """One group for each pair of get and set functions, in the order of first appearance."""
-    kinds: dict[str, list[Variable]] = {}
-    for variable in variables:
-        kinds.setdefault(instance.accessor(variable)[0], []).append(variable)
-    return [VariableGroup(instance, members) for members in kinds.values()]
+        del buffers  # which the call has read

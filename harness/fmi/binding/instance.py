@@ -90,6 +90,8 @@ class FmuInstance(ABC):
         self._library.instances += 1
 
     prefix: str
+    boolean: Any
+    """The C type of a boolean."""
 
     @abstractmethod
     def _instantiate(self, folder: Path, logging: bool) -> int | None: ...
@@ -157,6 +159,18 @@ class FmuInstance(ABC):
     ) -> None:
         """Begin initialisation at `start_time` (s)."""
 
+    def experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> tuple[Any, ...]:
+        """The arguments that tell an FMU of FMI 2 or 3 its tolerance and times."""
+        return (
+            self.boolean(tolerance is not None),
+            ctypes.c_double(tolerance or 0.0),
+            ctypes.c_double(start_time),
+            self.boolean(stop_time is not None),
+            ctypes.c_double(stop_time or 0.0),
+        )
+
     def exit_initialization_mode(self) -> None:
         """End initialisation; the instance can do steps from now on."""
         self.call("ExitInitializationMode")
@@ -204,21 +218,24 @@ class FmuInstance(ABC):
 
     # events
 
-    @abstractmethod
     def enter_event_mode(self) -> None:
         """Stop the continuous part; inputs of all kinds may be set, events are handled."""
+        self.call("EnterEventMode")
 
-    @abstractmethod
     def leave_event_mode(self) -> None:
         """Go on: continuous-time mode in model exchange, step mode in co-simulation."""
+        stepping = self.interface_type == CO_SIMULATION
+        self.call("EnterStepMode" if stepping else "EnterContinuousTimeMode")
 
     @abstractmethod
     def update_discrete_states(self) -> DiscreteStates:
         """One iteration of event handling."""
 
-    @abstractmethod
     def completed_integrator_step(self) -> tuple[bool, bool]:
         """After an accepted step of the solver: whether to handle an event, and to end."""
+        event, end = ctypes.pointer(self.boolean()), ctypes.pointer(self.boolean())
+        self.call("CompletedIntegratorStep", self.boolean(1), event, end)
+        return bool(event.contents.value), bool(end.contents.value)
 
     # values
 
@@ -242,11 +259,8 @@ class FmuInstance(ABC):
             if variable.details.negated:
                 value = -value  # type: ignore[operator]
             data = to_c(variable, value, ctype, self.count(variable), self.name)
-            if suffix == "Binary":
-                sizes, data, _kept = binary_pointers(list(data))
-                self._transfer(f"Set{suffix}", variable, sizes, data)
-            else:
-                self._transfer(f"Set{suffix}", variable, data)
+            blocks = binary_pointers(list(data)) if suffix == "Binary" else (data,)
+            self._transfer(f"Set{suffix}", variable, *blocks[:2])
 
     def get(self, name: str) -> Any:
         """The value of a variable: a float, an int, a bool, a str, bytes, or an array of them."""
@@ -264,21 +278,11 @@ class FmuInstance(ABC):
 
     def _transfer(self, function: str, variable: Variable, *data: Any) -> None:
         reference = ctypes.c_uint32(variable.value_reference)
+        first, *blocks = (ctypes.c_void_p(ctypes.addressof(block)) for block in (reference, *data))
         sized = self.prefix == "fmi3" and not function.endswith("Clock")
         sizes = [ctypes.c_size_t(len(data[-1]))] if sized else []
-        native = self._functions.get(function)
-        if native is None:
-            pointer, size = ctypes.c_void_p, ctypes.c_size_t
-            types = [pointer, size, *(pointer for _ in data), *(size for _ in sizes)]
-            prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *types)
-            native = self._functions[function] = prototype(self.address(function))
-        self._refuse_when_dead()
         what = f" of variable {variable.name!r}"
-        blocks = [ctypes.byref(block) for block in data]
-        calling(self.name, f"{self.prefix}{function}{what}")
-        status = native(self.handle, ctypes.byref(reference), 1, *blocks, *sizes)
-        returned()
-        self.check(status, function, what)
+        self.call(function, first, ctypes.c_size_t(1), *blocks, *sizes, what=what)
 
     # state
 
@@ -286,18 +290,16 @@ class FmuInstance(ABC):
         """A snapshot of the whole FMU state, in the place of an older one where `state` is given;
         give it back with `free_state`."""
         state = ctypes.c_void_p() if state is None else state
-        self.call("GetFMUState" if self.prefix == "fmi3" else "GetFMUstate", ctypes.pointer(state))
+        self.call(f"Get{self._state}", ctypes.pointer(state))
         return state
 
     def set_state(self, state: ctypes.c_void_p) -> None:
         """Return to a snapshot of this instance."""
-        self.call("SetFMUState" if self.prefix == "fmi3" else "SetFMUstate", state)
+        self.call(f"Set{self._state}", state)
 
     def free_state(self, state: ctypes.c_void_p) -> None:
         """Give a snapshot back."""
-        self.call(
-            "FreeFMUState" if self.prefix == "fmi3" else "FreeFMUstate", ctypes.pointer(state)
-        )
+        self.call(f"Free{self._state}", ctypes.pointer(state))
 
     def serialized_state(self) -> bytes:
         """A snapshot as bytes, which outlives the process; raises `FmuError`."""
@@ -332,18 +334,14 @@ class FmuInstance(ABC):
         self, unknowns: Sequence[str], known: str, seed: float = 1.0
     ) -> NDArray[np.float64]:
         """d(unknowns)/d(known) * seed, shape (len(unknowns),)."""
-        references = (ctypes.c_uint32 * len(unknowns))(
-            *(self.description.variable(name).value_reference for name in unknowns)
-        )
-        reference = ctypes.pointer(
-            ctypes.c_uint32(self.description.variable(known).value_reference)
-        )
-        seeds, result = ctypes.pointer(ctypes.c_double(seed)), (ctypes.c_double * len(unknowns))()
+        references = [self.description.variable(n).value_reference for n in (*unknowns, known)]
+        rows, column = np.array(references[:-1], np.uint32), np.array(references[-1:], np.uint32)
+        seeds, result = np.array([seed]), np.zeros(len(unknowns))
         n, one = ctypes.c_size_t(len(unknowns)), ctypes.c_size_t(1)
-        first, out = ctypes.cast(references, ctypes.c_void_p), ctypes.cast(result, ctypes.c_void_p)
-        if self.prefix == "fmi3":
-            sized = (first, n, reference, one, seeds, one, out, n)
-            self.call("GetDirectionalDerivative", *sized)
-        else:
-            self.call("GetDirectionalDerivative", first, n, reference, one, seeds, out)
-        return np.array(result)
+        of, by, scale, out = (
+            ctypes.c_void_p(array.ctypes.data) for array in (rows, column, seeds, result)
+        )
+        sized = self.prefix == "fmi3"
+        arguments = (scale, one, out, n) if sized else (scale, out)
+        self.call("GetDirectionalDerivative", of, n, by, one, *arguments)
+        return result

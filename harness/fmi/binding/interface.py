@@ -41,7 +41,7 @@ def capabilities(description: ModelDescription, interface_type: InterfaceType) -
     kinds = {
         CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange,
     }  # fmt: skip
-    found = kinds[interface_type]
+    found = kinds.get(interface_type)
     if found is None:
         offered: list[str] = [kind for kind, one in kinds.items() if one is not None]
         if description.scheduled_execution:

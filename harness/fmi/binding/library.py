@@ -19,6 +19,16 @@ _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _FMI2_FOLDER = {"linux": "linux64", "win32": "win64", "darwin": "darwin64"}
 _MACHINES = {"amd64": "x86_64", "x86-64": "x86_64", "arm64": "aarch64"}
 
+_REASONS = {
+    r"^(\S+): cannot open shared object file": (
+        "it needs the library {}, which is not installed here"
+    ),
+    r"undefined symbol: ([^\s,]+)": "it needs the symbol {}, which nothing here provides",
+    r"version [`'](\S+)' not found": (
+        "it needs {} of the C library or another, which is older here"
+    ),
+}
+
 
 def platform_tuple() -> str:
     """The FMI 3 name of this platform, such as "x86_64-linux"."""
@@ -81,15 +91,9 @@ def _unfit(path: Path) -> str:
 def _loader_reason(text: str, path: Path) -> str:
     """The dynamic loader's message as a phrase that says what is missing."""
     text = " ".join(text.replace(f"{path}: ", "").split())
-    library = re.search(r"^(\S+): cannot open shared object file", text)
-    if library:
-        return f"it needs the library {library[1]}, which is not installed here"
-    symbol = re.search(r"undefined symbol: ([^\s,]+)", text)
-    if symbol:
-        return f"it needs the symbol {symbol[1]}, which nothing here provides"
-    version = re.search(r"version [`'](\S+)' not found(?: \(required by .*\))?", text)
-    if version:
-        return f"it needs {version[1]} of the C library or another, which is older here"
+    for pattern, phrase in _REASONS.items():
+        if found := re.search(pattern, text):
+            return phrase.format(found[1])
     return text
 
 
@@ -102,10 +106,9 @@ _loaded: dict[Path, Library] = {}
 
 def load(path: Path) -> Library:
     """The library at `path`, the same object for all its instances; raises `FmuError`."""
-    library = _loaded.get(path)
-    if library is None:
-        library = _loaded[path] = Library(path)
-    return library
+    if path not in _loaded:
+        _loaded[path] = Library(path)
+    return _loaded[path]
 
 
 def unload_below(folder: Path) -> None:
@@ -135,14 +138,13 @@ class Library:
         self.path = path
         self.corrupted = False
         self.instances = 0
-        unfit = _unfit(path)
-        if unfit:
-            raise FmuError(f"library {path.name} of the FMU cannot be loaded: {unfit}")
-        try:
-            self._library, self._first = load_with_neighbours(path, _root(path))
-        except OSError as fault:
-            reason = _loader_reason(str(fault), path)
-            raise FmuError(f"library {path.name} of the FMU cannot be loaded: {reason}") from fault
+        fault = f"library {path.name} of the FMU cannot be loaded"
+        if unfit := _unfit(path):
+            raise FmuError(f"{fault}: {unfit}")
+        try:  # it lies at FMU/binaries/PLATFORM/NAME
+            self._library, self._first = load_with_neighbours(path, path.parents[2])
+        except OSError as said:
+            raise FmuError(f"{fault}: {_loader_reason(str(said), path)}") from said
 
     def address(self, name: str) -> int:
         """Address of the function `name`; raises `FmuError` when the library lacks it."""
@@ -175,11 +177,6 @@ class Library:
             return ctypes.cast(getattr(self._library, name), ctypes.c_void_p).value
         except AttributeError:
             return None
-
-
-def _root(path: Path) -> Path:
-    """The unpacked FMU to which the library at ROOT/binaries/PLATFORM/NAME belongs."""
-    return path.parents[2]
 
 
 def _unload(handle: int) -> None:

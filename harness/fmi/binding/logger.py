@@ -1,4 +1,4 @@
-"""The log callbacks that an FMU calls, formatted in native code and kept as records.
+"""The log callbacks that an FMU calls, formatted in native code and recorded.
 
 FMI 1 and 2 hand over a printf format with its arguments, which Python cannot receive. A variadic
 C function, emitted here once per process, formats the message with the C library's vsnprintf and
@@ -11,7 +11,7 @@ kept of it is bounded, and no exception leaves a callback.
 from __future__ import annotations
 
 import ctypes
-import ctypes.util
+import platform
 import sys
 from collections import deque
 from collections.abc import Callable
@@ -23,11 +23,10 @@ from harness.fmi.binding.formats import expandable
 from harness.fmi.wording import shorten
 
 STATUS_NAMES = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
-KEPT_MESSAGES = 200
+MOST_MESSAGES = 200
 LONGEST_MESSAGE = 4096
 """Characters of a message that are kept."""
 
-_SIZE = LONGEST_MESSAGE
 _REASON = 500  # characters of messages in an error
 
 
@@ -46,13 +45,13 @@ class LogMessage:
 
 @dataclass
 class MessageLog:
-    """The last `KEPT_MESSAGES` messages of an instance; `echo` sees each as it arrives.
+    """The last `MOST_MESSAGES` messages of an instance; `echo` sees each as it arrives.
 
     `count` is the number of all messages so far, `dropped` that of those no longer kept.
     """
 
     echo: Callable[[LogMessage], None] | None = None
-    messages: deque[LogMessage] = field(default_factory=lambda: deque(maxlen=KEPT_MESSAGES))
+    messages: deque[LogMessage] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
     count: int = 0
 
     @property
@@ -73,8 +72,8 @@ class MessageLog:
 
     def reasons(self) -> str:
         """The last messages that report trouble, as a phrase for an error."""
-        kept = [m for m in list(self.messages) if m.text]  # a copy: another thread may be logging
-        troubles = [m.text for m in kept if m.status >= 1] or [m.text for m in kept]
+        known = [m for m in list(self.messages) if m.text]  # a copy: another thread may be logging
+        troubles = [m.text for m in known if m.status >= 1] or [m.text for m in known]
         return shorten("; ".join(troubles[-2:]), _REASON) or "the FMU logged no reason"
 
 
@@ -99,13 +98,12 @@ def _check(form: Any, arguments: Any) -> int:
         return 0
 
 
-_logs: dict[int, MessageLog] = {}
-_logs_by_name: dict[bytes, MessageLog] = {}
+_logs: dict[int | bytes, MessageLog] = {}
 
 
 @PLAIN_LOGGER  # type: ignore[untyped-decorator]
 def _receive(environment: Any, name: Any, status: int, category: Any, text: Any) -> None:
-    log = _logs.get(environment or 0) or _logs_by_name.get(name or b"")
+    log = _logs.get(environment or 0) or _logs.get(name or b"")
     if log is not None:
         log.add(status, category, text)
 
@@ -137,13 +135,13 @@ def forget(key: int) -> None:
 
 def register_name(name: str, log: MessageLog) -> None:
     """`log` receives the messages of the instance called `name`; FMI 1 has no environment."""
-    _logs_by_name[name.encode()] = log
+    _logs[name.encode()] = log
 
 
 def forget_name(name: str, log: MessageLog) -> None:
     """Undo `register_name`, unless another instance has taken the name since."""
-    if _logs_by_name.get(name.encode()) is log:
-        del _logs_by_name[name.encode()]
+    if _logs.get(name.encode()) is log:
+        del _logs[name.encode()]
 
 
 @cache
@@ -172,8 +170,8 @@ def _ir() -> str:
     receiver = ctypes.cast(_receive, ctypes.c_void_p).value
     checker = ctypes.cast(_check, ctypes.c_void_p).value
     # where va_list is an array (System V, AAPCS64) its address is passed, elsewhere its content
-    by_value = sys.platform in ("win32", "darwin") and "x86_64" not in _machine()
-    by_value = by_value or sys.platform == "win32"
+    x86_64 = "x86_64" in platform.machine().lower()
+    by_value = sys.platform == "win32" or (sys.platform == "darwin" and not x86_64)
     load = "%list = load i8*, i8** %slot" if by_value else "%list = bitcast i8** %slot to i8*"
     return f"""
 declare void @llvm.va_start(i8*)
@@ -181,10 +179,10 @@ declare void @llvm.va_end(i8*)
 define void @fmu_harness_logger(
     i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, ...) {{
   %area = alloca [8 x i64], align 16
-  %text = alloca [{_SIZE} x i8], align 16
+  %text = alloca [{LONGEST_MESSAGE} x i8], align 16
   %slot = bitcast [8 x i64]* %area to i8**
   %raw = bitcast [8 x i64]* %area to i8*
-  %first = bitcast [{_SIZE} x i8]* %text to i8*
+  %first = bitcast [{LONGEST_MESSAGE} x i8]* %text to i8*
   store i8 0, i8* %first
   %missing = icmp eq i8* %format, null
   br i1 %missing, label %pass, label %print
@@ -197,9 +195,9 @@ print:
   br i1 %sound, label %expand, label %leave
 expand:
   %vsnprintf = inttoptr i64 {formatter} to i32 (i8*, i64, i8*, i8*)*
-  %n = call i32 %vsnprintf(i8* %first, i64 {_SIZE}, i8* %format, i8* %list)
+  %n = call i32 %vsnprintf(i8* %first, i64 {LONGEST_MESSAGE}, i8* %format, i8* %list)
   call void @llvm.va_end(i8* %raw)
-  %last = getelementptr i8, i8* %first, i64 {_SIZE - 1}
+  %last = getelementptr i8, i8* %first, i64 {LONGEST_MESSAGE - 1}
   store i8 0, i8* %last
   br label %pass
 leave:
@@ -212,9 +210,3 @@ pass:
   ret void
 }}
 """
-
-
-def _machine() -> str:
-    import platform
-
-    return platform.machine().lower()

@@ -20,7 +20,7 @@ Value = float | int | bool | str | bytes
 Values = Value | Sequence[Any] | NDArray[Any]
 
 _WORDS = {"true": True, "false": False, "1": True, "0": False, "1.0": True, "0.0": False}
-_NATIVE: dict[str, Any] = {
+NATIVE_TYPES: dict[str, Any] = {
     "Float32": np.float32, "Float64": np.float64, "Real": np.float64, "Int8": np.int8,
     "UInt8": np.uint8, "Int16": np.int16, "UInt16": np.uint16, "Int32": np.int32,
     "UInt32": np.uint32, "Int64": np.int64, "UInt64": np.uint64, "Integer": np.int32,
@@ -30,7 +30,7 @@ _NATIVE: dict[str, Any] = {
 
 def native_dtype(variable: Variable) -> Any:
     """The numpy type that holds a variable exactly; `object` for strings and binaries."""
-    return _NATIVE.get(variable.type, np.object_)
+    return NATIVE_TYPES.get(variable.type, np.object_)
 
 
 def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> Any:
@@ -160,19 +160,3 @@ def _whole(variable: Variable, word: str) -> int:
 def item_names(variable: Variable) -> str:
     """The items of an enumeration with their numbers, for a sentence; "" where there are none."""
     return ", ".join(f"{number} {name!r}" for number, name in variable.details.items[:12])
-
-
-def plain_accessor(variable: Variable, boolean: Any, fmi_major: int) -> tuple[str, Any]:
-    """Suffix of the get and set functions of FMI 1 and 2 for a variable's type, and its C type;
-    `boolean` is that of a Boolean. Raises `FmuError` for a type that the version does not know."""
-    if variable.type in REAL_TYPES:
-        return "Real", ctypes.c_double
-    if variable.type in INTEGER_TYPES:
-        return "Integer", ctypes.c_int
-    if variable.type == "Boolean":
-        return "Boolean", boolean
-    if variable.type == "String":
-        return "String", ctypes.c_char_p
-    raise FmuError(
-        f"variable {variable.name!r} has type {variable.type}, unknown in FMI {fmi_major}"
-    )

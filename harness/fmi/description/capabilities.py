@@ -12,8 +12,33 @@ from typing import Any
 
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Capabilities
-from harness.fmi.description.numbers import real, true, whole
+from harness.fmi.description.numbers import boolean, integer, real
 from harness.fmi.wording import has_control_characters
+
+_OF_ALL = {
+    "can_get_and_set_fmu_state": ("canGetAndSetFMUState",),
+    "can_serialize_fmu_state": ("canSerializeFMUState",),
+    "provides_directional_derivatives": (
+        "providesDirectionalDerivative",
+        "providesDirectionalDerivatives",
+    ),
+    "provides_adjoint_derivatives": ("providesAdjointDerivatives",),
+    "can_be_instantiated_only_once": ("canBeInstantiatedOnlyOncePerProcess",),
+    "needs_execution_tool": ("needsExecutionTool",),
+    "provides_evaluate_discrete_states": ("providesEvaluateDiscreteStates",),
+}
+_OF_STEPS = {
+    "can_handle_variable_step": ("canHandleVariableCommunicationStepSize",),
+    "has_event_mode": ("hasEventMode",),
+    "can_interpolate_inputs": ("canInterpolateInputs",),
+    "might_return_early": ("mightReturnEarlyFromDoStep",),
+    "provides_intermediate_update": ("providesIntermediateUpdate", "provideIntermediateState"),
+    "can_return_early_after_intermediate_update": ("canReturnEarlyAfterIntermediateUpdate",),
+}
+_ORDERS = {
+    "max_output_derivative_order": "maxOutputDerivativeOrder",
+    "recommended_intermediate_input_smoothness": "recommendedIntermediateInputSmoothness",
+}
 
 
 def judge_name(element: Any, attribute: str, faults: list[Fault], *, of_file: bool = False) -> None:
@@ -54,69 +79,40 @@ def _judged(
 
 
 def capabilities(root: Any, major: int, kind: str, faults: list[Fault]) -> Capabilities | None:
-    """Those of <CoSimulation>, <ModelExchange> or <ScheduledExecution>."""
-    if major == 1:
-        return _fmi1_capabilities(root, kind, faults)
-    element = root.find(kind)
-    if element is None:
+    """Those of <CoSimulation>, <ModelExchange> or <ScheduledExecution>; FMI 1 for co-simulation
+    has an Implementation, FMI 1 for model exchange has none."""
+    steps = kind == "CoSimulation"
+    if major > 1:
+        named = element = root.find(kind)
+    else:
+        implementation = root.find("Implementation")
+        fits = kind == ("ModelExchange" if implementation is None else "CoSimulation")
+        named = root if fits else None
+        element = next(root.iterfind("Implementation//Capabilities"), None)
+    if named is None:
         return None
-    state = "FMUState" if major == 3 else "FMUstate"
-    steps, exchanges = kind == "CoSimulation", kind == "ModelExchange"
-    judge_name(element, "modelIdentifier", faults, of_file=True)
-
-    def can(name: str) -> bool:
-        return true(element.get(name))
-
-    def count(name: str) -> int:
-        return (whole(element.get(name)) or 0) if steps else 0
-
-    completed = can("needsCompletedIntegratorStep")
-    if major == 2:
-        completed = not can("completedIntegratorStepNotNeeded")
-    return Capabilities(
-        model_identifier=element.get("modelIdentifier", ""),
-        can_get_and_set_fmu_state=can(f"canGetAndSet{state}"),
-        can_serialize_fmu_state=can(f"canSerialize{state}"),
-        provides_directional_derivatives=(
-            can("providesDirectionalDerivative") or can("providesDirectionalDerivatives")
-        ),
-        provides_adjoint_derivatives=can("providesAdjointDerivatives"),
-        can_be_instantiated_only_once=can("canBeInstantiatedOnlyOncePerProcess"),
-        can_handle_variable_step=not steps or can("canHandleVariableCommunicationStepSize"),
-        fixed_internal_step_size=(
-            _judged(element, "fixedInternalStepSize", 0.0, faults) if steps else None
-        ),
-        has_event_mode=steps and can("hasEventMode"),
-        max_output_derivative_order=count("maxOutputDerivativeOrder"),
-        can_interpolate_inputs=steps and can("canInterpolateInputs"),
-        needs_completed_integrator_step=completed or not exchanges,
-        might_return_early=steps and can("mightReturnEarlyFromDoStep"),
-        needs_execution_tool=can("needsExecutionTool"),
-        provides_intermediate_update=steps
-        and (can("providesIntermediateUpdate") or can("provideIntermediateState")),
-        can_return_early_after_intermediate_update=(
-            steps and can("canReturnEarlyAfterIntermediateUpdate")
-        ),
-        recommended_intermediate_input_smoothness=(count("recommendedIntermediateInputSmoothness")),
-        provides_evaluate_discrete_states=can("providesEvaluateDiscreteStates"),
-    )
-
-
-def _fmi1_capabilities(root: Any, kind: str, faults: list[Fault]) -> Capabilities | None:
-    """FMI 1 for co-simulation has an Implementation, FMI 1 for model exchange has none."""
-    implementation = root.find("Implementation")
-    if kind != ("ModelExchange" if implementation is None else "CoSimulation"):
-        return None
-    judge_name(root, "modelIdentifier", faults, of_file=True)
-    element = next(root.iterfind("Implementation//Capabilities"), None)
+    judge_name(named, "modelIdentifier", faults, of_file=True)
     stated: Mapping[str, str] = {} if element is None else element.attrib
-    return Capabilities(
-        root.get("modelIdentifier", ""), False, False, False, False,
-        true(stated.get("canBeInstantiatedOnlyOncePerProcess")),
-        can_handle_variable_step=(
-            implementation is None or true(stated.get("canHandleVariableCommunicationStepSize"))
-        ),
-        max_output_derivative_order=whole(stated.get("maxOutputDerivativeOrder")) or 0,
-        can_interpolate_inputs=true(stated.get("canInterpolateInputs")),
-        needs_execution_tool=root.find("Implementation/CoSimulation_Tool") is not None,
-    )  # fmt: skip
+    found: dict[str, Any] = {
+        field: any(boolean(stated.get(_spelled(name, major))) for name in attributes)
+        for field, attributes in (_OF_ALL | _OF_STEPS if steps else _OF_ALL).items()
+    }
+    if steps:
+        found |= {field: integer(stated.get(name)) or 0 for field, name in _ORDERS.items()}
+        if major > 1:
+            step = _judged(element, "fixedInternalStepSize", 0.0, faults)
+            found["fixed_internal_step_size"] = step
+    if kind == "ModelExchange" and major == 2:
+        completed = not boolean(stated.get("completedIntegratorStepNotNeeded"))
+        found["needs_completed_integrator_step"] = completed
+    elif kind == "ModelExchange" and major == 3:
+        completed = boolean(stated.get("needsCompletedIntegratorStep"))
+        found["needs_completed_integrator_step"] = completed
+    if major == 1:
+        tool = root.find("Implementation/CoSimulation_Tool")
+        found["needs_execution_tool"] = tool is not None
+    return Capabilities(model_identifier=named.get("modelIdentifier", ""), **found)
+
+
+def _spelled(name: str, major: int) -> str:
+    return name if major == 3 else name.replace("FMUState", "FMUstate")

@@ -8,11 +8,9 @@ from typing import Any
 
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import DisplayUnit
-from harness.fmi.description.numbers import real, true, whole
+from harness.fmi.description.numbers import boolean, integer, real
 from harness.fmi.wording import shorten
-from harness.system.units import Unit
-
-_BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+from harness.system.units import BASE_UNITS, Unit
 
 
 def read_units(
@@ -26,7 +24,7 @@ def read_units(
         base = element.find("BaseUnit") if major > 1 else None
         units[name] = Unit(name)
         if base is not None:
-            exponents = tuple(whole(base.get(one)) or 0 for one in _BASES)
+            exponents = tuple(integer(base.get(one)) or 0 for one in BASE_UNITS)
             factor, offset = _conversion(base, "factor", f"unit {quoted(name)}", faults)
             units[name] = Unit(name, exponents, factor, offset)
         of_unit = shown.setdefault(name, {})
@@ -35,7 +33,7 @@ def read_units(
                 label = str(one.get("displayUnit" if major == 1 else "name"))
                 what, gain = f"display unit {quoted(label)}", "gain" if major == 1 else "factor"
                 numbers = _conversion(one, gain, what, faults)
-                of_unit[label] = DisplayUnit(*numbers, true(one.get("inverse")))
+                of_unit[label] = DisplayUnit(*numbers, boolean(one.get("inverse")))
     return units, shown
 
 
@@ -58,7 +56,7 @@ def read_types(root: Any) -> Iterator[tuple[str, dict[str, Any]]]:
             inner = next(_children(element), element)
         attributes: dict[str, Any] = dict(inner.attrib)
         items = enumerate(inner.iterchildren("Item"), start=1)
-        numbers = ((whole(item.get("value", str(place))), item) for place, item in items)
+        numbers = ((integer(item.get("value", str(place))), item) for place, item in items)
         attributes["items"] = tuple(
             (number, str(item.get("name"))) for number, item in numbers if number is not None
         )

@@ -23,11 +23,6 @@ MAX_DOCUMENT = 2**28
 BUILD_DESCRIPTION = "sources/buildDescription.xml"
 _ROOT = "fmiModelDescription"
 _VERSIONS = re.compile(r"1\.0|2\.0|3\.(0|[1-9]\d*)(\.(0|[1-9]\d*))?(-.+)?")
-_SCHEMAS = {
-    1: "fmi1/fmiModelDescription.xsd",
-    2: "fmi2/fmi2ModelDescription.xsd",
-    3: "fmi3/fmi3ModelDescription.xsd",
-}
 _LONG = ("ModelVariables", "ModelStructure", "Outputs", "InitialUnknowns", "TypeDefinitions")
 _PORTION = 1000
 _UNUSED = ("generationDateAndTime", "variableNamingConvention", "dependenciesKind")
@@ -82,7 +77,8 @@ def model_description_root(folder: Path, source: Path) -> Any:
 def schema_faults(root: Any, schema: str = "") -> Iterator[Fault]:
     """What the schema of the standard finds wrong, that of the model description's FMI version
     where none is named."""
-    name = schema or _SCHEMAS[int(root.get("fmiVersion")[0])]
+    major = root.get("fmiVersion", "3")[0]
+    name = schema or f"fmi{major}/fmi{major.strip('1')}ModelDescription.xsd"
     checked = _schema(name)
     told: set[tuple[int, str]] = set()
     for _ in _portions(root):

@@ -234,7 +234,7 @@ class ModelDescription:
     def whole(self, name: str) -> tuple[str, ...]:
         """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
         array = self.variables.get(self.owner(name))
-        return element_names(array) if array is not None and array.shape else (name,)
+        return (name,) if array is None else element_names(array.name, array.shape)
 
     def sizes(self, array: Variable) -> tuple[int, ...]:
         """The sizes of an array by the structural parameters; () for a scalar."""
@@ -274,10 +274,13 @@ class ModelDescription:
             raise FmuError(f"FMU {self.name} has no variable {name!r}; {hint}") from None
 
 
-def element_names(array: Variable) -> tuple[str, ...]:
-    """The names of an array's elements in the order of their values; indices begin at 1."""
-    indices = product(*(range(1, 1 + length) for length in array.shape))
-    return tuple(f"{array.name}[{','.join(map(str, index))}]" for index in indices)
+def element_names(name: str, shape: tuple[int, ...]) -> tuple[str, ...]:
+    """The name of a scalar, or those of an array's elements in row-major order, such as "a[1,2]";
+    indices begin at 1."""
+    if not shape:
+        return (name,)
+    indices = product(*(range(1, 1 + length) for length in shape))
+    return tuple(f"{name}[{','.join(map(str, index))}]" for index in indices)
 
 
 class _Elements(Mapping[str, tuple[Variable, int]]):
@@ -304,7 +307,7 @@ class _Elements(Mapping[str, tuple[Variable, int]]):
         return array, place
 
     def __iter__(self) -> Iterator[str]:
-        names = (name for array in self._arrays for name in element_names(array))
+        names = (name for v in self._arrays for name in element_names(v.name, v.shape))
         return (name for name in names if name not in self._variables)
 
     def __len__(self) -> int:

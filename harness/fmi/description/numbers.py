@@ -13,7 +13,7 @@ def real(text: Any) -> float | None:
         return None
 
 
-def whole(text: Any) -> int | None:
+def integer(text: Any) -> int | None:
     """An integer of up to 64 bits."""
     try:
         value = None if text is None or "_" in text else int(text)
@@ -22,6 +22,6 @@ def whole(text: Any) -> int | None:
     return value if value is not None and -(2**63) <= value < 2**64 else None
 
 
-def true(text: Any) -> bool:
+def boolean(text: Any) -> bool:
     """Whether a Boolean attribute is set."""
     return text is not None and text.strip() in ("true", "1")

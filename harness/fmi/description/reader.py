@@ -16,7 +16,7 @@ from harness.fmi.description.definitions import read_types, read_units
 from harness.fmi.description.document import model_description_root, schema_faults
 from harness.fmi.description.faults import Fault, Harm, notes
 from harness.fmi.description.model_description import MAX_ELEMENTS, ModelDescription, Variable
-from harness.fmi.description.numbers import whole
+from harness.fmi.description.numbers import integer
 from harness.fmi.description.structure import (
     circle_faults,
     direct_dependencies,
@@ -85,7 +85,7 @@ def _count(root: Any, what: str, unknowns: list[Variable], faults: list[Fault]) 
     stated = {"1": ("ContinuousStates", "EventIndicators"), "2": ("EventIndicators",)}
     if what not in stated.get(root.get("fmiVersion")[0], ()):
         return sum(v.size for v in unknowns)
-    count = whole(root.get(f"numberOf{what}")) or 0
+    count = integer(root.get(f"numberOf{what}")) or 0
     if not 0 <= count <= MAX_ELEMENTS:
         text = f"says numberOf{what}={count}; at most {MAX_ELEMENTS} can be held"
         faults.append(Fault(Harm.FORBIDDEN, text, root.sourceline or 0))

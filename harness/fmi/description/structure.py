@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from harness.fmi.description.entries import Entry
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Unknown, Variable
-from harness.fmi.description.numbers import whole
+from harness.fmi.description.numbers import integer
 from harness.fmi.wording import shorten
 
 _KINDS = {
@@ -27,7 +28,7 @@ def read_unknowns(
     for kind, element in _elements(root, major):
 
         def named(text: str | None, line: int = element.sourceline or 0) -> str | None:
-            found = numbered.get(-1 if whole(text) is None else int(text or ""))
+            found = numbered.get(-1 if integer(text) is None else int(text or ""))
             if found is None:
                 what, known = shorten(str(text)), f"has the numbers 1 to {len(numbered)}"
                 wrong = f"refers to variable number {what} in its ModelStructure, but {known}"
@@ -88,28 +89,9 @@ def circle_faults(variables: Mapping[str, Variable]) -> Iterator[Fault]:
         "clocks": {v.name: v.details.clocks for v in variables.values() if v.details.clocks},
     }
     for attribute, graph in graphs.items():
-        found = circle(graph)
-        if found:
+        try:
+            TopologicalSorter(graph).prepare()
+        except CycleError as fault:
             text = f"has variables whose {attribute} go in a circle: "
-            yield Fault(Harm.FORBIDDEN, text + " -> ".join(quoted(name) for name in found))
-
-
-def circle(successors: Mapping[str, Iterable[str]]) -> list[str]:
-    """The nodes of a circle in the graph, in order, or [] where there is none."""
-    finished: set[str] = set()
-    for start in successors:
-        path: dict[str, None] = {}  # in order, and quick to look into
-        stack = [iter((start,))]
-        while stack:
-            node = next((n for n in stack[-1] if n not in finished), None)
-            if node is None:
-                stack.pop()
-                if path:
-                    finished.add(path.popitem()[0])
-            elif node in path:
-                nodes = list(path)
-                return nodes[nodes.index(node) :]
-            else:
-                path[node] = None
-                stack.append(iter(successors.get(node, ())))
-    return []
+            found = reversed(fault.args[1][1:])  # the first stands at both ends
+            yield Fault(Harm.FORBIDDEN, text + " -> ".join(map(quoted, found)))

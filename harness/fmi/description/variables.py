@@ -11,7 +11,18 @@ from dataclasses import replace
 from math import prod
 from typing import Any
 
-from harness.fmi.description.entries import TYPES, Entry, Judge, bases, spaced
+from harness.fmi.description.entries import (
+    TYPES,
+    Entry,
+    Judge,
+    bases,
+    duration,
+    limits,
+    nominal_value,
+    spaced,
+    start_texts,
+    start_value,
+)
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import (
     MAX_ELEMENTS,
@@ -20,15 +31,8 @@ from harness.fmi.description.model_description import (
     DisplayUnit,
     Variable,
 )
-from harness.fmi.description.numbers import true, whole
+from harness.fmi.description.numbers import boolean, integer
 from harness.fmi.description.rules import rule
-from harness.fmi.description.values import (
-    duration,
-    limits,
-    nominal_value,
-    start_texts,
-    start_value,
-)
 from harness.fmi.wording import has_control_characters, shorten
 
 _EXACT, _CALCULATED = ("exact",), ("calculated", "approx")
@@ -160,7 +164,7 @@ class VariableReader:
     def _dimensions(self, one: Entry) -> Iterator[tuple[int, int | str]]:
         """The size of each dimension, and what gives it: a number or a parameter's name."""
         for dimension in one.element.iterchildren("Dimension"):
-            size = whole(dimension.get("start"))
+            size = integer(dimension.get("start"))
             given: int | str | None = size
             wrong = "with a dimension of no size"
             reference = dimension.get("valueReference")
@@ -173,7 +177,7 @@ class VariableReader:
 
     def _dimension(self, reference: str) -> tuple[int | None, str, str]:
         """The size that a structural parameter states, its name, and what is wrong otherwise."""
-        source = self.numbered.get(-1 if whole(reference) is None else int(reference))
+        source = self.numbered.get(-1 if integer(reference) is None else int(reference))
         if source is None:
             wrong = f"with a dimension given by {shorten(reference)}, which no variable has"
             return None, "", wrong
@@ -181,7 +185,7 @@ class VariableReader:
         if (source.type, source.own.get("causality")) != ("UInt64", "structuralParameter"):
             wrong += ", which is no structural parameter of type UInt64"
             return None, "", wrong
-        return whole(source.value.get("start")), source.name, f"{wrong} without a start"
+        return integer(source.value.get("start")), source.name, f"{wrong} without a start"
 
     def _named(self, one: Entry, attribute: str) -> str | None:
         """The variable to which an attribute refers, None where it refers to none."""
@@ -191,7 +195,7 @@ class VariableReader:
     def _references(self, one: Entry, attribute: str, text: str) -> Iterator[str]:
         wanted = {"derivative": REAL_TYPES, "clocks": {"Clock"}}.get(attribute, TYPES)
         for item in text.split():
-            target = self.numbered.get(-1 if whole(item) is None else int(item))
+            target = self.numbered.get(-1 if integer(item) is None else int(item))
             if target is not None and target.type in wanted:
                 yield target.name
                 continue
@@ -210,26 +214,26 @@ class VariableReader:
         found: dict[str, Any] = {
             "alias_of": None if base == one.name else base,
             "negated": self._major == 1 and own.get("alias") == "negatedAlias",
-            "relative": true(get("relativeQuantity")),
+            "relative": boolean(get("relativeQuantity")),
             "display_unit": get("displayUnit"),
             "declared_type": one.value.get("declaredType"),
             "starts": starts,
             "items": one.declared.get("items", ()),
             "has_start": bool(starts) or "start" in one.value,
-            "multiple_sets": true(own.get("canHandleMultipleSetPerTimeInstant", "true")),
-            "reinit": true(one.value.get("reinit")),
+            "multiple_sets": boolean(own.get("canHandleMultipleSetPerTimeInstant", "true")),
+            "reinit": boolean(one.value.get("reinit")),
         }
         self._judge_unit(one, unit, found["display_unit"])
         if self._major == 3:
             found["clocks"] = tuple(self._references(one, "clocks", own.get("clocks", "")))
             found["previous"] = self._named(one, "previous")
-            found["intermediate_update"] = true(own.get("intermediateUpdate"))
+            found["intermediate_update"] = boolean(own.get("intermediateUpdate"))
         if one.type == "Clock":
             found["interval_variability"] = get("intervalVariability")
             found["interval"] = duration(one, "interval", self._judge)
             found["shift"] = duration(one, "shift", self._judge) or 0.0
-            found["can_be_deactivated"] = true(get("canBeDeactivated"))
-            found["priority"] = whole(get("priority"))
+            found["can_be_deactivated"] = boolean(get("canBeDeactivated"))
+            found["priority"] = integer(get("priority"))
         key = tuple(found.values())
         if key not in self._known:
             self._known[key] = Details(**found)

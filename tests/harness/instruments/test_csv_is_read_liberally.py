@@ -7,7 +7,7 @@ import pytest
 from numpy.random import SeedSequence
 
 from harness.errors import ExperimentError
-from harness.instruments.signals import CsvSignal
+from harness.instruments.csv_signal import CsvSignal
 
 ROWS = "0,1\n0.5,0\n"
 

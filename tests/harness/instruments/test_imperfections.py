@@ -17,7 +17,7 @@ from harness.instruments.imperfections import (
     RateLimit,
     Saturation,
 )
-from harness.instruments.signals import WhiteNoise
+from harness.instruments.noise import WhiteNoise
 from tests.harness.instruments.kernels import run
 
 READINGS = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40).map(np.array)

@@ -9,15 +9,15 @@ import pytest
 from numpy.random import SeedSequence
 from scipy import signal, stats
 
-from harness.instruments.signals import (
+from harness.instruments.noise import (
     BandLimitedNoise,
     ContaminatedNoise,
     HeavyTailedNoise,
     LowPassNoise,
-    SignalSource,
     UniformNoise,
     WhiteNoise,
 )
+from harness.instruments.source import SignalSource
 
 N = 200_000
 PERIOD = 1_000_000  # ns

@@ -5,8 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.random import SeedSequence
 
-from harness.instruments.signals import ContaminatedNoise, Sum, WhiteNoise, Windowed, named_seed
-from harness.instruments.source import child_seed
+from harness.instruments.composition import Sum, Windowed
+from harness.instruments.noise import ContaminatedNoise, WhiteNoise
+from harness.instruments.source import child_seed, named_seed
 
 TIMES = np.arange(1000, dtype=np.int64) * 10_000_000
 NAME = st.text(st.characters(codec="ascii", exclude_characters="\0"), min_size=1, max_size=8)

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.random import SeedSequence
 
-from harness.instruments.signals import SIGNALS, SignalSource, make_signal
+from harness.instruments.signals import SIGNALS, make_signal
+from harness.instruments.source import SignalSource
 
 NOISE = {"kind": "white_noise", "std": 2.0}
 EXAMPLES = {

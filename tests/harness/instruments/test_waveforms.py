@@ -5,8 +5,10 @@ import pytest
 from numpy.random import SeedSequence
 
 from harness.errors import SimulationError
-from harness.instruments.pulses import PRIMITIVE_TAPS
-from harness.instruments.signals import Chirp, Function, Prbs, SignalSource, Sine
+from harness.instruments.composition import Function
+from harness.instruments.pulses import PRIMITIVE_TAPS, Prbs
+from harness.instruments.source import SignalSource
+from harness.instruments.waveforms import Chirp, Sine
 
 TIMES = np.arange(0, 5000, dtype=np.int64) * 1_000_000
 SECONDS = TIMES / 1e9

@@ -97,7 +97,7 @@ def test_a_global_number_changed_in_a_notebook_is_noticed() -> None:
 
 SCRIPT = """
 from harness.compiler.step import compile_step
-from harness.system.delay import delay_block
+from harness.system.lowering import delay_block
 from harness.system.block import KernelBlock, Port
 import {module} as steps
 block = KernelBlock((Port("u"),), (Port("y"),), steps.step)

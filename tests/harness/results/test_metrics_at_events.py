@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.results import metrics
-from harness.results.step_response import segment_metrics, segments, step_metrics
+from harness.results.step_response import segment_metrics, segments
 
 # y = 0 on [0, 1], 1.2 on [1, 2], 1 on [2, 3]; u = 2, 1, 0; r = 1; few rows, none between events
 TIME = np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.9, 3.0])
@@ -14,7 +14,7 @@ ONE = np.ones(7)
 
 
 def test_integrals_and_times_are_those_of_the_trajectory() -> None:
-    m = step_metrics(TIME, ONE, RESPONSE, CONTROL)
+    (m,) = segment_metrics(TIME, ONE, RESPONSE, CONTROL)
     assert (m.delay_time, m.rise_time, m.settling_time) == (1.0, 0.0, 2.0)
     assert m.overshoot == pytest.approx(20.0)
     t = m.tracking
@@ -31,7 +31,7 @@ def test_what_holds_at_the_end_is_the_value_after_the_last_event(
     response = np.array([0.0, 1.0, 1.0, 1.0, 1.0, before, after])
     time = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 3.0])
     assert metrics.settling_time(time, response, 0.0, 1.0) == settled
-    found = step_metrics(time, ONE, response, ONE, window=0.05).tracking  # the rows at 3 s
+    found = segment_metrics(time, ONE, response, ONE, window=0.05)[0].tracking  # the rows at 3 s
     assert found.steady_state_mean == 100.0 * (1.0 - after)
     assert found.steady_state_max == 50.0, "a peak before the event is one"
     assert found.lost_loop == (after == 1.5)
@@ -41,7 +41,7 @@ def test_rows_of_events_without_a_jump_change_nothing() -> None:
     time = np.linspace(0.0, 5.0, 200)
     twice = np.sort(np.append(time, time[::3]))
     plain, repeated = (
-        step_metrics(t, np.ones(len(t)), 1.0 - np.exp(-2.0 * t), np.exp(-t)).as_dict()
+        segment_metrics(t, np.ones(len(t)), 1.0 - np.exp(-2.0 * t), np.exp(-t))[0].as_dict()
         for t in (time, twice)
     )
     assert repeated == pytest.approx(plain, rel=1e-12, abs=1e-300)

@@ -8,7 +8,6 @@ from harness.results.metrics import final_window, first_crossing, lost_loop, set
 from harness.results.step_response import (
     metric_units,
     segment_metrics,
-    step_metrics,
     tracking_metrics,
 )
 
@@ -17,9 +16,9 @@ ONE = np.ones_like(T)
 
 
 def test_what_never_happens_is_none() -> None:
-    low = step_metrics(T, ONE, 0.4 * (1 - np.exp(-T)), ONE)
+    (low,) = segment_metrics(T, ONE, 0.4 * (1 - np.exp(-T)), ONE)
     assert (low.delay_time, low.rise_time, low.settling_time) == (None, None, None)
-    ripple = step_metrics(T, ONE, 1 - np.exp(-5 * T) + 0.1 * np.sin(20 * T) * (T > 1), ONE)
+    (ripple,) = segment_metrics(T, ONE, 1 - np.exp(-5 * T) + 0.1 * np.sin(20 * T) * (T > 1), ONE)
     assert ripple.delay_time is not None
     assert ripple.settling_time is None
 
@@ -89,8 +88,6 @@ def test_each_step_of_a_multi_step_reference_is_measured_by_itself() -> None:
     for m in found:
         assert m.delay_time == pytest.approx(tau * np.log(2), abs=2e-4)
         assert m.tracking.iae == pytest.approx(abs(m.final - m.initial) * tau, rel=1e-3)
-    with pytest.raises(UsageError, match="3 steps where one was expected; use segment_metrics"):
-        step_metrics(T, r, y, r)
 
 
 def test_what_is_no_step_or_no_array_is_refused() -> None:
@@ -105,5 +102,5 @@ def test_what_is_no_step_or_no_array_is_refused() -> None:
 
 
 def test_every_figure_has_a_unit() -> None:
-    m = step_metrics(T, ONE, 1 - np.exp(-T), ONE)
+    (m,) = segment_metrics(T, ONE, 1 - np.exp(-T), ONE)
     assert list(m.as_dict()) == list(metric_units("N", "1"))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from harness.results.step_response import step_metrics
+from harness.results.step_response import segment_metrics
 
 H = 1e-3
 
@@ -17,7 +17,7 @@ def test_first_order_response(before: float, after: float) -> None:
     r = np.where(t >= start, after, before)
     decay = np.exp(-np.maximum(t - start, 0.0) / T)
     y = after + (before - after) * decay
-    m = step_metrics(t, r, y, r - y, band=0.02)
+    (m,) = segment_metrics(t, r, y, r - y, band=0.02)
     size, span = after - before, t[-1] - start
     assert (m.start, m.initial, m.final, m.overshoot) == (start, before, after, 0.0)
     assert m.delay_time is not None
@@ -46,7 +46,7 @@ def test_second_order_response(zeta: float) -> None:
     t = np.arange(0, 20.0, H)
     wd, phi = wn * math.sqrt(1 - zeta**2), math.acos(zeta)
     y = 1 - np.exp(-zeta * wn * t) / math.sqrt(1 - zeta**2) * np.sin(wd * t + phi)
-    m = step_metrics(t, np.ones_like(t), y, np.zeros_like(t), band=0.05)
+    (m,) = segment_metrics(t, np.ones_like(t), y, np.zeros_like(t), band=0.05)
     peak = 100 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
     assert m.overshoot == pytest.approx(peak, abs=100 * wn**2 * H**2 / 8)
     assert m.settling_time is not None
@@ -63,8 +63,8 @@ def test_second_order_response(zeta: float) -> None:
 def test_metrics_do_not_depend_on_units_of_the_response() -> None:
     t = np.arange(0, 5, 0.01)
     y = 1 - np.exp(-t) * np.cos(3 * t)
-    one = step_metrics(t, np.ones_like(t), y, y)
-    kilo = step_metrics(t, np.full_like(t, 1000.0), 1000 * y, y)
+    (one,) = segment_metrics(t, np.ones_like(t), y, y)
+    (kilo,) = segment_metrics(t, np.full_like(t, 1000.0), 1000 * y, y)
     assert kilo.tracking.iae == pytest.approx(1000 * one.tracking.iae)
     for name in ("delay_time", "rise_time", "overshoot", "settling_time"):
         assert getattr(kilo, name) == pytest.approx(getattr(one, name))

@@ -12,11 +12,8 @@ from matplotlib.figure import Figure
 from harness.errors import RecordingError, UsageError
 from harness.results.membership_plot import MembershipCurves, membership_plot
 from harness.results.plots import (
-    control_plot,
-    error_plot,
     gains_plot,
     overview_plot,
-    response_plot,
     save_figures,
 )
 from harness.results.recording import Column, Recording
@@ -38,9 +35,6 @@ VARIANTS = {name: result(1.0 + i) for i, name in enumerate(NAMES)}
 GRID = np.linspace(0, 1, 11)
 CURVES = [MembershipCurves("|e|", "1", GRID, {"small": 1 - GRID, "big": GRID})]
 FIGURES = {
-    "response": lambda: response_plot(VARIANTS, FORCE, REFERENCE),
-    "control": lambda: control_plot(VARIANTS, "c.u"),
-    "error": lambda: error_plot(VARIANTS, FORCE, REFERENCE),
     "overview": lambda: overview_plot(VARIANTS, FORCE, REFERENCE, "c.u", title="all"),
     "gains": lambda: gains_plot(VARIANTS, ["c.gain", "c.u"]),
     "membership": lambda: membership_plot(CURVES, CURVES),
@@ -62,7 +56,7 @@ def test_axes_have_units_and_there_is_a_legend(name: str) -> None:
     assert len(legend_texts(figure)) >= 2
 
 
-@pytest.mark.parametrize("name", ["response", "control", "error", "overview", "gains"])
+@pytest.mark.parametrize("name", ["overview", "gains"])
 def test_a_variant_looks_the_same_everywhere_and_unlike_the_others(name: str) -> None:
     figure = FIGURES[name]()
     assert [text for text in legend_texts(figure) if text != "reference"] == NAMES
@@ -74,7 +68,7 @@ def test_a_variant_looks_the_same_everywhere_and_unlike_the_others(name: str) ->
     }
     reference = {
         line.get_label(): (line.get_color(), str(line.get_linestyle()), line._dash_pattern[1])
-        for line in FIGURES["response"]().axes[0].get_lines()
+        for line in FIGURES["overview"]().axes[0].get_lines()
     }
     assert all(looks[one] == reference[one] for one in NAMES)
     assert len({look[0] for look in looks.values()}) == 4
@@ -82,8 +76,8 @@ def test_a_variant_looks_the_same_everywhere_and_unlike_the_others(name: str) ->
 
 
 def test_curves_hold_the_data() -> None:
-    figure = FIGURES["error"]()
-    line = next(one for one in figure.axes[0].get_lines() if one.get_label() == "fuzzy PID")
+    figure = FIGURES["overview"]()
+    line = next(one for one in figure.axes[1].get_lines() if one.get_label() == "fuzzy PID")
     drawn = np.asarray(line.get_ydata())
     assert np.array_equal(drawn, 2.0 - 2.0 * np.arange(50))
 
@@ -95,7 +89,7 @@ def test_saving_writes_pictures_and_leaves_globals_alone(tmp_path: Path) -> None
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in paths)
     assert dict(mpl.rcParams) == before
     with pytest.raises(RecordingError, match=r"cannot write the figure .*x.nonsense"):
-        save_figures(tmp_path, {"x": FIGURES["error"]()}, ".nonsense")
+        save_figures(tmp_path, {"x": FIGURES["gains"]()}, ".nonsense")
 
 
 def test_pyplot_is_never_imported() -> None:
@@ -110,8 +104,8 @@ def test_what_cannot_be_drawn_is_said() -> None:
     with pytest.raises(UsageError, match=r"no variant recorded 'c.gian'"):
         gains_plot(VARIANTS, ["c.gian"])
     with pytest.raises(UsageError, match="no variant was given"):
-        control_plot({}, "c.u")
+        overview_plot({}, FORCE, REFERENCE, "c.u")
     with pytest.raises(UsageError, match=r"did you mean 'p.force'"):
-        response_plot(VARIANTS, "p.forc")
+        overview_plot(VARIANTS, "p.forc", REFERENCE, "c.u")
     with pytest.raises(UsageError, match="before and after must be of the same variables"):
         membership_plot(CURVES, [])

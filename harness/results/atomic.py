@@ -10,7 +10,7 @@ from harness.errors import RecordingError
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
+def atomic_write(path: Path) -> Iterator[Path]:
     """A path beside `path` to write to, of the same suffix; on leaving it takes the place of
     `path`. Where something goes wrong, what was at `path` stays as it was."""
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
