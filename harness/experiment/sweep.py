@@ -23,6 +23,7 @@ from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers
 from harness.experiment.repeated import Metrics, Point, run_points, writing
 from harness.experiment.schema import AxisSpec, SweepSpec
+from harness.results.atomic import atomic_write
 from harness.results.plots import axis_label
 
 

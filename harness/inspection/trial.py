@@ -8,7 +8,7 @@ still gives the same bits. This module refuses to judge.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +16,47 @@ from numpy.typing import NDArray
 from harness.compiler.operations import CLOCK_SIZE
 from harness.errors import EndRequestedError
 from harness.fmi.binding.continuous import ContinuousPart
+from harness.fmi.description.model_description import Variable
 from harness.participants.driven import DrivenParticipant
 from harness.participants.memory import Memory
 from harness.participants.model_exchange import ModelExchange
+from harness.participants.tracks import Inputs
 from harness.system.graph import Endpoint
 
-if TYPE_CHECKING:
-    from harness.inspection.subject import Subject
-
 Array = NDArray[np.float64]
+
+
+class Examined(Protocol):
+    """What a trial needs to know of its subject."""
+
+    @property
+    def start(self) -> float:
+        """Start time of the runs (s)."""
+
+    @property
+    def step(self) -> float:
+        """Communication step (s)."""
+
+    @property
+    def steps(self) -> int:
+        """Communication steps of a run."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The name of each column of what is watched."""
+
+    @property
+    def watched(self) -> tuple[Variable, ...]:
+        """The variables that are watched."""
+
+    def new_inputs(self) -> Inputs:
+        """The inputs of one run."""
 
 
 class Trial:
     """One `participant` for a `subject`; `ended`: the FMU has asked to end the simulation."""
 
-    def __init__(self, subject: Subject, participant: DrivenParticipant) -> None:
+    def __init__(self, subject: Examined, participant: DrivenParticipant) -> None:
         """Nothing has been initialised."""
         self.subject, self.participant = subject, participant
         self.instance = participant.instance

@@ -83,7 +83,7 @@ class PreparedSystem:
             try:
                 outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
             except KeyboardInterrupt as interrupt:
-                said = str(interrupt) or "interrupted by Ctrl-C"
+                said = str(interrupt) or "interrupted by Ctrl-C (KeyboardInterrupt)"
                 interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
                 raise
             recording.add_notes(outcome.notes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,25 @@ class Column:
     def continuous(self) -> bool:
         """Whether it changes between two rows; what does not is held until the next one."""
         return self.type in ("real", "float32") and not self.held
+
+
+class Trajectory(Protocol):
+    """What can be drawn: a `Result`, or what has its times and columns."""
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Times (s, shape (n,))."""
+
+    def __contains__(self, name: object) -> bool: ...
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """The values of a name, shape (n,)."""
+
+    def unit(self, name: str) -> str:
+        """The unit of a name."""
+
+    def column(self, name: str) -> Column:
+        """The column of a name."""
 
 
 def check_columns(columns: Iterable[Column]) -> tuple[Column, ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,11 +19,9 @@ from matplotlib.figure import Figure
 
 from harness.errors import RecordingError, UsageError
 from harness.results.atomic import atomic_write
+from harness.results.columns import Trajectory
 
-if TYPE_CHECKING:
-    from harness.results.result import Result
-
-Variants = Mapping[str, "Result"]
+Variants = Mapping[str, Trajectory]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
 LINE_STYLES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (4, 1.5, 1, 1.5)), (0, (1.5, 1)))
@@ -149,7 +147,7 @@ def legend_of_all(figure: Figure, axes: Iterable[Axes], columns: int = 5) -> Non
     )
 
 
-def signals_plot(result: Result, names: Sequence[str], *, title: str = "") -> Figure:
+def signals_plot(result: Trajectory, names: Sequence[str], *, title: str = "") -> Figure:
     """The named signals of one run over time, a panel for each unit and at most 5 of its signals;
     what is held is drawn as steps, and what jumps at an event as a jump."""
     by_unit: dict[str, list[str]] = {}
