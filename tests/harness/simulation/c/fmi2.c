@@ -109,12 +109,18 @@ int fmi2NewDiscreteStates(void *c, event_info *i) {
     i->values = handle(p, p->h <= 1e-9);
     i->terminate = p->t >= p->end_at - 1e-12;
     i->defined = 1, i->next = fmin(p->next, p->end_at);
+#ifdef TELL
+    TELL;
+#endif
     return 0;
 }
 int fmi2CompletedIntegratorStep(void *c, int keep, int *event, int *terminate) {
     plant *p = &((model *)c)->p;
     p->completed++;
     *event = p->step_event, *terminate = 0;
+#ifdef STEPPED
+    STEPPED;
+#endif
     return 0;
 }
 int fmi2SetTime(void *m, double t) { ((model *)m)->p.t = t; return 0; }
