@@ -93,6 +93,9 @@ int fmi2DoStep(void *c, double t, double h, int keep) {
     if (t + h > 0.55) CRASH;
 #endif
     advance(&m->p, fmin(t + h, m->p.end_at), false);
+#ifdef SPOIL
+    SPOIL;
+#endif
     return m->p.t >= m->p.end_at - 1e-12 ? 2 : 0;
 }
 int fmi2GetBooleanStatus(void *m, int kind, int *y) {
