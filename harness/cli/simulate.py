@@ -42,7 +42,9 @@ def simulate_command(
     interface_type: Annotated[
         str | None, typer.Option(help="co-simulation or model-exchange")
     ] = None,
-    solver: Annotated[str, typer.Option(help="For model exchange: cvode or euler")] = "cvode",
+    solver: Annotated[
+        str, typer.Option(help="For model exchange: cvode, euler, rk4 or dopri5")
+    ] = "cvode",
     output_variables: Annotated[
         list[str] | None,
         typer.Option(help="Record these, * and ? allowed; repeatable; the outputs when absent"),

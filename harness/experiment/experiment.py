@@ -129,8 +129,7 @@ class Experiment:
             if isinstance(c, FmuSpec):
                 is_path = c.fmu.endswith(".fmu")
                 source = self.path.parent / c.fmu if is_path else c.fmu
-                bench.fmu(name, source, step=c.step, tolerance=c.tolerance,
-                          start_values=c.start_values)  # fmt: skip
+                bench.fmu(name, source, step=c.step, start_values=c.start_values, **c.policy())
             elif isinstance(c, ControllerSpec):
                 bench.controller(name, c.controller, sample_time=c.sample_time, phase=c.phase,
                                  outputs=c.outputs, **c.parameters)  # fmt: skip

@@ -8,6 +8,7 @@ takes over another one, named relative to it, and changes parts of it.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -24,6 +25,7 @@ from harness import registry
 from harness.errors import UsageError, nearest
 from harness.process.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
 from harness.results.metrics import FIGURES
+from harness.system.policy import DiscardedSteps, Policy, Solver
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
@@ -35,12 +37,26 @@ class Strict(BaseModel):
 
 
 class FmuSpec(Strict):
-    """An FMU: `fmu` is a plant's name or a path, relative to the experiment file."""
+    """An FMU: `fmu` is a plant's name or a path, relative to the experiment file; `step` its
+    communication step (s). The keys after `start_values` are those of
+    `harness.system.policy.Policy`."""
 
     fmu: str
     step: float | None = None
-    tolerance: float | None = None
     start_values: dict[str, Any] = Field(default_factory=dict)
+    interface_type: str | None = None
+    tolerance: float | None = None
+    solver: Solver = "cvode"
+    largest_step: float | None = None
+    event_mode: bool | None = None
+    discarded_steps: DiscardedSteps = "fail"
+    validate_: bool = Field(default=True, alias="validate")
+    allow_not_finite: bool = False
+
+    def policy(self) -> dict[str, Any]:
+        """How the FMU is run, by the words of `Policy`."""
+        given = self.model_dump(by_alias=True)
+        return {one.name: given[one.name] for one in fields(Policy)}
 
 
 class ControllerSpec(Strict):

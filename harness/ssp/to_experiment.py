@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,6 @@ from harness.experiment.schema import (
     ConnectionSpec,
     ControllerSpec,
     ExperimentSpec,
-    FmuSpec,
     SignalSpec,
 )
 from harness.fmi.description.model_description import ModelDescription
@@ -37,6 +36,7 @@ from harness.ssp.ports import Ports
 from harness.ssp.settings import check_names, safe_name, settings_of
 from harness.ssp.start_values import start_values
 from harness.ssp.tree import FmuNode, Tree, TreePath, build_tree
+from harness.system.policy import Policy
 from harness.system.units import conversion
 
 Table = dict[str, Any]
@@ -49,7 +49,7 @@ TOP_SETTINGS = (
       if f not in ("components", "connections", "variants", "extends", "stop_time", "start_time")),
     "label", "report", "order",
 )  # fmt: skip
-FMU_SETTINGS = tuple(f for f in FmuSpec.model_fields if f not in ("fmu", "start_values"))
+FMU_SETTINGS = ("step", *(f.name for f in fields(Policy)))
 WIRE_SETTINGS = tuple(
     f for f in ConnectionSpec.model_fields
     if f not in ("source", "factor", "offset", "convert_units")

@@ -31,7 +31,7 @@ from harness.system.graph import (
     SensitivityComponent,
     System,
 )
-from harness.system.policy import interface_of
+from harness.system.policy import DISCARDED_STEPS, SOLVERS, interface_of
 from harness.system.units import Unit, conversion, parse_unit
 
 Descriptions = Mapping[str, ModelDescription]
@@ -119,9 +119,13 @@ def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
         interface_of(component.policy, d)
     except HarnessError as fault:
         yield f"component {component.name}: {fault}"
-    tolerance = component.policy.tolerance
-    if tolerance is not None and not (isfinite(tolerance) and tolerance > 0):
-        yield f"component {component.name}: tolerance must be positive, not {tolerance!r}"
+    policy = component.policy
+    for key, legal in (("solver", SOLVERS), ("discarded_steps", DISCARDED_STEPS)):
+        if (word := getattr(policy, key)) not in legal:
+            yield f"component {component.name}: {key} {word!r}: {nearest(word, legal)}"
+    for key, value in (("tolerance", policy.tolerance), ("largest_step", policy.largest_step)):
+        if value is not None and not (isfinite(value) and value > 0):
+            yield f"component {component.name}: {key} must be positive, not {value!r}"
     given, validate = component.start_values, component.policy.validate
     try:
         judge_start_values(d, given, component=component.name, validate=validate)

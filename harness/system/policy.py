@@ -25,6 +25,7 @@ is not asked for: no callback is given, and nothing that the standard grants dep
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from harness.errors import UsageError
 from harness.fmi.binding.interface import (
@@ -37,8 +38,10 @@ from harness.fmi.binding.interface import (
 from harness.fmi.description.model_description import Capabilities, ModelDescription
 
 SOLVER_TOLERANCE = 1e-6
-SOLVERS = ("cvode", "euler", "rk4", "dopri5")
-DISCARDED_STEPS = ("divide", "fail")
+Solver = Literal["cvode", "euler", "rk4", "dopri5"]
+SOLVERS: tuple[str, ...] = get_args(Solver)
+DiscardedSteps = Literal["divide", "fail"]
+DISCARDED_STEPS: tuple[str, ...] = get_args(DiscardedSteps)
 
 _KINDS: tuple[InterfaceType, ...] = (CO_SIMULATION, MODEL_EXCHANGE, SCHEDULED_EXECUTION)
 _BY_NAME = {kind.replace("-", ""): kind for kind in _KINDS}

@@ -205,10 +205,11 @@ def model_fmu(kind: str) -> Path:
 
 
 @cache
-def crashing_fmu(action: str, *, rates: bool = False) -> Path:
-    """The FMU of FMI 2 that does `action` (C) in the step that would pass 0.55 s, or in the 51st
-    evaluation of its `rates`."""
-    place = "CRASH_RATES" if rates else "CRASH"
+def misbehaving_fmu(action: str, place: str = "CRASH") -> Path:
+    """The FMU of FMI 2 that does `action` (C) in a `place`: CRASH, the step that would pass 0.55 s;
+    SPOIL, the end of each step of *m; CRASH_RATES, the 51st evaluation of its derivatives; TELL,
+    the end of each iteration of its events, which says *i; STEPPED, the end of each completed
+    integrator step of *p, which says *event and *terminate."""
     flags = [f"-D{place}={action}", "-include", "stdlib.h", "-include", "unistd.h"]
     return packed(f"2-{abs(hash((action, place)))}", _fmi2(), SOURCES / "fmi2.c", flags)
 

@@ -15,7 +15,7 @@ from harness import simulate
 from harness.cli.main import run_command_line
 from harness.errors import FmuError, SimulationError
 from harness.process.limits import Limits
-from tests.harness.simulation.fmus import crashing_fmu, model_fmu, needs_compiler
+from tests.harness.simulation.fmus import misbehaving_fmu, model_fmu, needs_compiler
 
 pytestmark = [needs_compiler, pytest.mark.skipif(os.name == "nt", reason="signals")]
 OPTIONS = {"stop_time": 1.0, "step_size": 0.1}
@@ -32,7 +32,7 @@ OPTIONS = {"stop_time": 1.0, "step_size": 0.1}
 )
 def test_rows_before_a_crash_are_kept(action: str, words: str) -> None:
     with pytest.raises(SimulationError, match=rf"fmi2DoStep at t = 0\.5 s {words}") as caught:
-        simulate(crashing_fmu(action), **OPTIONS)
+        simulate(misbehaving_fmu(action), **OPTIONS)
     result = caught.value.result
     assert result.time.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
     assert result["counter"].tolist() == [0, 0, 0, 1, 1, 2]
@@ -42,7 +42,7 @@ def test_rows_before_a_crash_are_kept(action: str, words: str) -> None:
 def test_what_a_crash_left_unpacked_is_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = crashing_fmu("abort()")
+    path = misbehaving_fmu("abort()")
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(SimulationError):
@@ -56,7 +56,7 @@ def test_the_command_says_it_in_one_sentence(
     out = tmp_path / "out.csv"
     options = ["--stop-time", "1", "--step-size", "0.25", "--output-file", str(out)]
     chosen = ["--output-variables", "counter"]
-    assert run_command_line(["simulate", str(crashing_fmu("abort()")), *options, *chosen]) == 1
+    assert run_command_line(["simulate", str(misbehaving_fmu("abort()")), *options, *chosen]) == 1
     text = capsys.readouterr().err
     assert out.read_text() == '"time","counter"\n0,0\n0.25,1\n0.5,2\n'
     assert "crashed with SIGABRT" in text and "Traceback" not in text
@@ -69,20 +69,20 @@ def test_a_hang_ends_with_an_interrupt() -> None:
 
     threading.Thread(target=interrupt, daemon=True).start()
     with pytest.raises(SimulationError, match=r"interrupted by Ctrl-C at t = 0\.5 s") as caught:
-        simulate(crashing_fmu("for(;;)sleep(1)"), **OPTIONS)
+        simulate(misbehaving_fmu("for(;;)sleep(1)"), **OPTIONS)
     assert len(caught.value.result.time) == 6
 
 
 def test_a_hang_has_a_deadline() -> None:
     with pytest.raises(SimulationError, match=r"had not returned after 0\.2 s"):
-        simulate(crashing_fmu("for(;;)sleep(1)"), **OPTIONS, limits=Limits(call=0.2))
+        simulate(misbehaving_fmu("for(;;)sleep(1)"), **OPTIONS, limits=Limits(call=0.2))
 
 
 @pytest.mark.parametrize(
     ("action", "words"), [("for(;;)sleep(1)", "had not returned after 0"), ("raise(11)", "SIGSEGV")]
 )
 def test_so_have_the_rates_of_model_exchange(action: str, words: str) -> None:
-    limits, path = Limits(call=0.2), crashing_fmu(action, rates=True)
+    limits, path = Limits(call=0.2), misbehaving_fmu(action, "CRASH_RATES")
     with pytest.raises(SimulationError, match=rf"fmi2GetDerivatives at t = .*{words}") as caught:
         simulate(path, interface_type="me", stop_time=1.0, output_interval=0.01, limits=limits)
     assert len(caught.value.result.time) > 1

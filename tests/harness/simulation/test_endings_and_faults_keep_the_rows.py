@@ -8,11 +8,9 @@ import pytest
 
 from harness import simulate
 from harness.errors import FmuError, SimulationError, UsageError
-from harness.fmi.binding.fmi2 import Fmi2Instance
 from harness.fmi.binding.fmi3 import Fmi3Instance
-from harness.fmi.binding.instance import DiscreteStates
 from tests.harness.fmi.archives import member, rewritten
-from tests.harness.simulation.fmus import model_fmu, needs_compiler
+from tests.harness.simulation.fmus import misbehaving_fmu, model_fmu, needs_compiler
 
 pytestmark = needs_compiler
 
@@ -79,40 +77,31 @@ def test_an_interface_that_is_not_offered_names_what_is(tmp_path: Path) -> None:
         simulate(made)
 
 
-def test_a_time_event_that_stays_in_the_past_ends_with_a_sentence(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    stuck = DiscreteStates(needs_update=False, next_event_time=0.1)
-    monkeypatch.setattr(Fmi2Instance, "update_discrete_states", lambda _: stuck)
+def test_a_time_event_that_stays_in_the_past_ends_with_a_sentence() -> None:
+    stuck = misbehaving_fmu("i->next = 0.1", "TELL")
     with pytest.raises(SimulationError, match=r"more than 1000 events at t = 0\.1 s") as caught:
-        simulate(model_fmu("2"), interface_type="me", stop_time=1.0, output_interval=0.05)
+        simulate(stuck, interface_type="me", stop_time=1.0, output_interval=0.05)
     assert list(caught.value.result.time[:3]) == [0.0, 0.05, 0.1]
 
 
-def test_an_event_that_does_not_settle_ends_with_a_sentence(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    restless = DiscreteStates(needs_update=True)
-    monkeypatch.setattr(Fmi2Instance, "update_discrete_states", lambda _: restless)
+def test_an_event_that_does_not_settle_ends_with_a_sentence() -> None:
+    restless = misbehaving_fmu("i->update = 1", "TELL")
     with pytest.raises(SimulationError, match="event at t = 0 s does not settle in 1000"):
-        simulate(model_fmu("2"), interface_type="me", stop_time=1.0)
+        simulate(restless, interface_type="me", stop_time=1.0)
 
 
-def test_a_step_event_is_handled_where_the_fmu_asks_for_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    asked: list[int] = []
-
-    def completed(instance: Fmi2Instance) -> tuple[bool, bool]:
-        asked.append(1)
-        return len(asked) == 3, len(asked) == 6
-
-    monkeypatch.setattr(Fmi2Instance, "completed_integrator_step", completed)
-    result = simulate(
-        model_fmu("2"), interface_type="me", stop_time=1.0, output_interval=0.5, in_process=True
+def test_a_step_event_is_handled_where_the_fmu_asks_for_it() -> None:
+    asking = misbehaving_fmu(
+        "*event = p->completed == 3, *terminate = p->completed == 6", "STEPPED"
     )
+    result = simulate(
+        asking, interface_type="me", stop_time=1.0, output_interval=0.5,
+        output_variables=["completed"],
+    )  # fmt: skip
     gaps = [b - a for a, b in pairwise(result.time)]
-    assert gaps.count(0.0) == 1 and len(asked) == 6  # both sides of one event, then the end
+    assert gaps.count(0.0) == 1  # both sides of one event, then the end
+    at = gaps.index(0.0)
+    assert list(result["completed"][at : at + 2]) == [3, 3] and result["completed"][-1] == 6
     assert result.time[-1] < 0.5 and "asked to end" in result.notes[0]
 
 

@@ -93,6 +93,9 @@ int fmi2DoStep(void *c, double t, double h, int keep) {
     if (t + h > 0.55) CRASH;
 #endif
     advance(&m->p, fmin(t + h, m->p.end_at), false);
+#ifdef SPOIL
+    SPOIL;
+#endif
     return m->p.t >= m->p.end_at - 1e-12 ? 2 : 0;
 }
 int fmi2GetBooleanStatus(void *m, int kind, int *y) {
@@ -109,12 +112,18 @@ int fmi2NewDiscreteStates(void *c, event_info *i) {
     i->values = handle(p, p->h <= 1e-9);
     i->terminate = p->t >= p->end_at - 1e-12;
     i->defined = 1, i->next = fmin(p->next, p->end_at);
+#ifdef TELL
+    TELL;
+#endif
     return 0;
 }
 int fmi2CompletedIntegratorStep(void *c, int keep, int *event, int *terminate) {
     plant *p = &((model *)c)->p;
     p->completed++;
     *event = p->step_event, *terminate = 0;
+#ifdef STEPPED
+    STEPPED;
+#endif
     return 0;
 }
 int fmi2SetTime(void *m, double t) { ((model *)m)->p.t = t; return 0; }
