@@ -54,6 +54,7 @@ def run_cycles(
             if now > stop:
                 break
             clock[INSTANT] = now
+            time = now / ticks
             o, end = instants[instant, 1], instants[instant, 2]
             if resumed > 0:
                 o, resumed = clock[OPERATION], 0
@@ -75,16 +76,16 @@ def run_cycles(
                     status = call_status(a, (b, c, d, e, f))
                 elif code == op.STEP_FMI3:
                     if now + c <= stop:
-                        t, h = now / ticks, c / ticks
+                        h = c / ticks
                         final = program[o, 7]
-                        status = call_status(a, (b, t, h, final, d, d + 1, d + 2, e))
+                        status = call_status(a, (b, time, h, final, d, d + 1, d + 2, e))
                         if status <= _WARNING and exchange[f + 2] != 0:
                             return op.EARLY
                         if status <= _WARNING and exchange[f + 1] != 0:
                             return op.TERMINATED
                 elif code == op.STEP_FMI2:
                     if now + c <= stop:
-                        status = call_status(a, (b, now / ticks, c / ticks, d))
+                        status = call_status(a, (b, time, c / ticks, d))
                 elif code == op.CHECK:
                     for slot in range(a, b):
                         if not math.isfinite(v[slot]):
@@ -96,7 +97,7 @@ def run_cycles(
                         return op.FULL
                     for column in range(recorded.shape[0]):
                         rows[row, column] = v[recorded[column]]
-                    row_times[row] = now / ticks
+                    row_times[row] = time
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
                     if not encode(a, v, b, c, exchange, d):
@@ -121,7 +122,7 @@ def run_cycles(
                         return op.OUT_OF_RANGE
                 elif code == op.STEP_CALL:
                     if now + c <= stop:
-                        status = call_status(a, (b, now / ticks, (now + c) / ticks))
+                        status = call_status(a, (b, time, (now + c) / ticks))
                         if status == op.ASKED + op.FULL:
                             clock[RESUMED] = instant + 1
                         if status >= op.ASKED:
