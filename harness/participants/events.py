@@ -4,6 +4,7 @@ co-simulation."""
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 from numba import types
@@ -123,6 +124,7 @@ def _settle(c: int, time: float) -> int:
     return settle(c, time)
 
 
+@cache
 def settle_entry() -> Any:
     """The C function settle(context, time)."""
     return cached_callback(_settle, types.int32(types.int64, types.float64))

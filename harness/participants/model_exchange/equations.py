@@ -7,6 +7,7 @@ number, so a solver that stops at it or begins there sees the domain that FMI me
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 from numba import types
@@ -118,6 +119,7 @@ def _jacobian(t: float, y: int, fy: int, matrix: int, c: int, a: int, b: int, d:
 _I, _F = types.int64, types.float64
 
 
+@cache
 def callbacks() -> tuple[Any, Any, Any]:
     """What CVODE calls: right-hand side, roots, Jacobian, as objects with an `address`."""
     return (

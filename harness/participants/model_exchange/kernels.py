@@ -15,6 +15,7 @@ rows at events.
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 from numba import types
@@ -279,6 +280,7 @@ def _begin_write(w: int, unused: int) -> int:
 _I, _F = types.int64, types.float64
 
 
+@cache
 def entries() -> tuple[Any, Any]:
     """The C functions advance(context, start, end) and begin_write(place, 0)."""
     return (
