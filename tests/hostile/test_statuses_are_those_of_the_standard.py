@@ -38,13 +38,23 @@ def test_in_the_loop(tmp_path: Path, fmi: int, status: str, words: str) -> None:
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-@pytest.mark.parametrize(
-    "phase", ["EnterInitializationMode", "ExitInitializationMode", "Terminate"]
-)
+@pytest.mark.parametrize("phase", ["EnterInitializationMode", "ExitInitializationMode"])
 @pytest.mark.parametrize("status", ["discard", "error", "fatal", "pending"])
 def test_outside_the_loop(tmp_path: Path, fmi: int, phase: str, status: str) -> None:
     fault = told(tmp_path, f"{phase} {status}", fmi=fmi)
     assert f"component plant: fmi{fmi}{phase} returned {status.capitalize()}" in str(fault)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("status", ["discard", "error", "fatal", "pending"])
+def test_at_the_end_it_is_a_note_since_all_rows_are_there(
+    tmp_path: Path, fmi: int, status: str
+) -> None:
+    result = bench(tmp_path, f"Terminate {status}", fmi=fmi).run()
+    assert result.status.state == "complete" and len(result.time) == 101
+    said = [note for note in result.manifest.notes if "Terminate" in note]
+    assert len(said) == 1 and "component plant" in said[0]
+    assert f"fmi{fmi}Terminate returned {status.capitalize()}" in said[0]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

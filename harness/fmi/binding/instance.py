@@ -72,6 +72,7 @@ class FmuInstance(ABC):
         path = library_path(folder, self.capabilities.model_identifier, description.fmi_major)
         calling(name, "loading its library")
         self._library = load(path)
+        self._library.component = name
         exchange = interface_type == MODEL_EXCHANGE
         self._library.require(mandatory_functions(description.fmi_major, exchange))
         returned()

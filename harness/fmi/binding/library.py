@@ -121,7 +121,7 @@ def unload_below(folder: Path) -> None:
         library = _loaded[path]
         if library.instances == 0 and not library.corrupted:
             del _loaded[path]
-            calling(path.name, "unloading the library")
+            calling(library.component, "unloading the library")
             library.close()
             returned()
 
@@ -130,7 +130,7 @@ class Library:
     """A loaded shared library; `address` gives function addresses.
 
     `corrupted` is set when an instance reports Fatal: nothing in it may be called any more.
-    `instances` counts those that live.
+    `instances` counts those that live, `component` is the name of the last one.
     """
 
     def __init__(self, path: Path) -> None:
@@ -138,6 +138,7 @@ class Library:
         self.path = path
         self.corrupted = False
         self.instances = 0
+        self.component = path.name
         fault = f"library {path.name} of the FMU cannot be loaded"
         if unfit := _unfit(path):
             raise FmuError(f"{fault}: {unfit}")
