@@ -18,16 +18,14 @@ class NotYet:
 
 
 NOT_YET = (
-    NotYet(BENCH, "clocks", "nothing ticks the clocks of the loop"),
+    NotYet(BENCH, "triggers", "a clock is not wired"),
     NotYet(BENCH, "text inputs", "strings and binaries are not wired"),
     NotYet(frozenset({"wires"}), "texts", "strings and binaries are not wired"),
     NotYet(frozenset({"doctor"}), "texts", "the doctor watches numbers"),
     NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
     NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),
     NotYet(frozenset({"doctor"}), "triggers", "the doctor triggers no clocks"),
-    NotYet(frozenset({"doctor"}), "event clocks", "the doctor steps without event mode"),
     NotYet(BENCH | {"simulate", "doctor"}, "scheduled-execution", "nothing schedules partitions"),
-    NotYet(frozenset({"simulate", "doctor"}), "negated booleans", "-1 times true is true"),
 )
 
 

@@ -31,7 +31,15 @@ from harness.fmi.binding.interface import (
 from harness.fmi.binding.library import library_path, load, mandatory_functions
 from harness.fmi.binding.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
 from harness.fmi.binding.mark import calling, returned
-from harness.fmi.binding.values import Value, Values, binaries, binary_pointers, from_c, to_c
+from harness.fmi.binding.values import (
+    Value,
+    Values,
+    binaries,
+    binary_pointers,
+    from_c,
+    opposite,
+    to_c,
+)
 from harness.fmi.description.model_description import ModelDescription, Variable
 
 __all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
@@ -258,7 +266,7 @@ class FmuInstance(ABC):
             variable = self.description.variable(name)
             suffix, ctype = self.accessor(variable)
             if variable.details.negated:
-                value = -value  # type: ignore[operator]
+                value = opposite(variable, value)
             data = to_c(variable, value, ctype, self.count(variable), self.name)
             blocks = binary_pointers(list(data)) if suffix == "Binary" else (data,)
             self._transfer(f"Set{suffix}", variable, *blocks[:2])
@@ -275,7 +283,7 @@ class FmuInstance(ABC):
         data = (ctype * count)()
         self._transfer(f"Get{suffix}", variable, data)
         value = from_c(variable, data, shape)
-        return -value if variable.details.negated else value
+        return opposite(variable, value) if variable.details.negated else value
 
     def _transfer(self, function: str, variable: Variable, *data: Any) -> None:
         reference = ctypes.c_uint32(variable.value_reference)

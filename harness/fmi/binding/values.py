@@ -54,6 +54,11 @@ def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: s
         ) from fault
 
 
+def opposite(variable: Variable, value: Any) -> Any:
+    """What a negated alias of FMI 1 has where its base has `value`: -x, of booleans not x."""
+    return not value if variable.type == "Boolean" else -value
+
+
 def flat(value: Values) -> list[Any]:
     """The elements of a value in row-major order."""
     if isinstance(value, np.ndarray):
