@@ -28,6 +28,7 @@ from harness.system.graph import (
     Connection,
     Endpoint,
     FmuComponent,
+    PythonComponent,
     SensitivityComponent,
     System,
 )
@@ -35,6 +36,9 @@ from harness.system.policy import DISCARDED_STEPS, SOLVERS, interface_of
 from harness.system.units import Unit, conversion, parse_unit
 
 Descriptions = Mapping[str, ModelDescription]
+TEXT_TYPES = ("String", "Binary")
+ANY = "any"
+"""The type of a port that takes what it is wired to."""
 _READABLE = ("output", "local", "calculatedParameter", "independent")
 
 
@@ -53,7 +57,7 @@ def outputs_of(component: Component, descriptions: Descriptions) -> dict[str, Po
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
         return {v.name: port_info(v, d) for v in _ports(d) if v.causality in _READABLE}
-    return _signals(component.outputs)
+    return _signals(component, component.outputs)
 
 
 def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, PortInfo]:
@@ -61,13 +65,13 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
         return {v.name: port_info(v, d) for v in _ports(d) if _writable(v)}
-    return _signals(component.inputs)
+    return _signals(component, component.inputs)
 
 
-def _signals(signals: Iterable[BlockSignal]) -> dict[str, PortInfo]:
-    return {
-        s.name: PortInfo(_stated(s.unit), start=s.start, description=s.description) for s in signals
-    }
+def _signals(component: Component, signals: Iterable[BlockSignal]) -> dict[str, PortInfo]:
+    """Ports of plain Python take what they are wired to, others are real."""
+    kind = ANY if isinstance(component, PythonComponent) else "Float64"
+    return {s.name: PortInfo(_stated(s.unit), kind, s.start, s.description) for s in signals}
 
 
 def check(system: System, descriptions: Descriptions) -> None:
@@ -169,6 +173,9 @@ def _wire_faults(
             yield f"{label}: {end.component} has no {what} {end.variable!r}; {hint}"
             continue
         infos.append(known[end.variable])
+    on_wire = connection.delay_ns or connection.imperfections
+    if on_wire and any(info.type in TEXT_TYPES for info in infos):
+        yield f"{label}: texts can be neither delayed nor disturbed"
     if connection.delay_ns < 0:
         yield f"{label}: delay {show(connection.delay_ns)} is negative"
     if len(infos) == 2:
@@ -188,16 +195,24 @@ def _type_faults(
             "dimensions are equal, or by element, as in a[1]"
         )
         return
-    for info in (source, target):
-        if info.type not in NUMERIC_TYPES:
-            yield f"{label}: type {info.type} cannot be wired; numbers and booleans can"
-            return
+    families = {_family(info.type) for info in (source, target)} - {ANY}
+    if len(families) > 1:
+        yield (
+            f"{label}: {source.type} cannot be wired to {target.type}; numbers, booleans and "
+            "clocks can among themselves, strings to strings, binaries to binaries"
+        )
+        return
     if not convert_units:
         return
     try:
         conversion(source.unit, target.unit)
     except UnitError as fault:
         yield f"{label}: {fault}"
+
+
+def _family(kind: str) -> str:
+    """Types that can be wired to each other."""
+    return kind if kind in (*TEXT_TYPES, ANY) else "number"
 
 
 def _extrapolation_faults(

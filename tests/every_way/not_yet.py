@@ -18,9 +18,7 @@ class NotYet:
 
 
 NOT_YET = (
-    NotYet(BENCH, "triggers", "a clock is not wired"),
-    NotYet(BENCH, "text inputs", "strings and binaries are not wired"),
-    NotYet(frozenset({"wires"}), "texts", "strings and binaries are not wired"),
+    NotYet(BENCH, "triggers", "a wire acts after the row of its instant, a track before"),
     NotYet(frozenset({"doctor"}), "texts", "the doctor watches numbers"),
     NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
     NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),

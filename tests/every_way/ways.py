@@ -98,7 +98,8 @@ def _run_bench(case: Case, in_process: bool) -> Rows:
     job = case.job()
     bench = _bench(case, job, ("fmu.*",))
     for name, steps in case.inputs.items():
-        if case.needs & {"texts", "64 bits"}:
+        texts = any(isinstance(value, (str, bytes)) for _, value in steps)
+        if texts or "64 bits" in case.needs:
             bench.controller(f"source_{name}", _source(steps))
             bench.connect(f"source_{name}.u", f"fmu.{name}")
         else:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ from harness.master.program.layout import Layout, make_layout, whole
 from harness.master.program.start_values import start_values
 from harness.participants.block import BlockParticipant
 from harness.participants.fmu import FmuParticipant
-from harness.participants.memory import Memory, Row
+from harness.participants.memory import Cell, Memory, Row
 from harness.participants.participant import Participant
 from harness.system.graph import Endpoint, SignalComponent
 
@@ -142,7 +143,7 @@ class _Linker:
             if isinstance(component, SignalComponent):
                 program.signals.append(component)
         for end, value in start_values(self.plan, self.descriptions).items():
-            self.memory.store(end, value)
+            self.memory.store(end, _fitting(value, self.layout.cell(end)))
         rows: list[Row] = []
         spans: dict[int, tuple[int, int]] = {}
         plan = self.plan
@@ -266,3 +267,11 @@ class _Linker:
             return 0
         d = self.descriptions[action.component]
         return sum(d.port(name).details.negated for name in action.inputs)
+
+
+def _fitting(value: Any, cell: Cell) -> Any:
+    """A start value as its slot holds it: texts are empty where none is stated."""
+    empty = {"text": "", "binary": b""}.get(cell)
+    if empty is not None:
+        return value if isinstance(value, type(empty)) else empty
+    return value if cell == "real" or isinstance(value, int) else int(value)

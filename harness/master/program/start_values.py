@@ -14,11 +14,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from harness.fmi.binding.values import parse_value
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.start_values import judge_start_values
 from harness.master.plan.planner import Plan
 from harness.master.program.layout import whole
-from harness.system.check import inputs_of
+from harness.system.check import TEXT_TYPES, inputs_of
 from harness.system.graph import (
     BlockComponent,
     Endpoint,
@@ -27,7 +28,7 @@ from harness.system.graph import (
 )
 
 
-def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> dict[Endpoint, float]:
+def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> dict[Endpoint, Any]:
     """The value of every port of what is no FMU, before anything has been computed, and of the
     elements of FMU inputs."""
     lowered = plan.lowered
@@ -42,6 +43,9 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
         array, place = descriptions[end.component].elements.get(end.variable, (None, 0))
         if array is not None and array.name in told:
             return told[array.name][place]
+        port = descriptions[end.component].port(end.variable)
+        if port.type in TEXT_TYPES and end.variable not in told:
+            return parse_value(port, port.start or "")
         ports = inputs_of(lowered.system.component(end.component), descriptions)
         return told.get(end.variable, ports[end.variable].start)
 
@@ -56,12 +60,15 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
         for signal in (*component.inputs, *component.outputs)
     }
     scales = {wire.target: (wire.factor, wire.offset) for wire in lowered.wires}
-    taken: dict[Endpoint, float] = {}
+    taken: dict[Endpoint, Any] = {}
     for connection in lowered.system.connections:
         source, target = connection.source, connection.target
         block, driven = (lowered.system.component(end.component) for end in (source, target))
         is_block = isinstance(block, (BlockComponent, PythonComponent))
         if is_block and isinstance(driven, FmuComponent) and values[source] == 0.0:
-            factor, offset = scales[target]
-            taken.setdefault(source, (input_start(target) - offset) / factor)
+            start = input_start(target)
+            if scales[target] != (1.0, 0.0):
+                factor, offset = scales[target]
+                start = (start - offset) / factor
+            taken.setdefault(source, start)
     return values | taken | elements

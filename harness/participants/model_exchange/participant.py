@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from harness.compiler import operations as op
-from harness.errors import EndRequestedError
+from harness.errors import EndRequestedError, FmuError
 from harness.fmi.binding.continuous import ContinuousPart
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.interface import MODEL_EXCHANGE
@@ -141,8 +141,12 @@ class ModelExchange(DrivenParticipant):
     """Whether inputs may change at every communication point."""
 
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
-        """Set inputs in event mode, where they have changed."""
+        """Set inputs in event mode, where they have changed; clocks tick where a wire says so."""
         self.driven_by_wires = True
+        ticking = [name for name in inputs if self.description.variable(name).type == "Clock"]
+        if ticking:
+            yield self._trigger(ticking)
+            inputs = [name for name in inputs if name not in ticking]
         rows = list(super().write(inputs))
         ends = [Endpoint(self.name, n) for name in inputs for n in self.description.whole(name)]
         slots = [self.memory.address(self.memory.slot(end, "present")) for end in ends]
@@ -153,6 +157,26 @@ class ModelExchange(DrivenParticipant):
         yield [op.CALL_2, self._begin_write.address, place, 0]
         yield [op.SKIP, place + 32, len(rows)]
         yield from rows
+
+    def _trigger(self, names: Sequence[str]) -> Row:
+        """Enter event mode where a wire to a clock carries true."""
+        slots = {name: self.memory.slot(Endpoint(self.name, name), "present") for name in names}
+
+        def trigger() -> int:
+            cells, v = self.context.cells, self.memory.v
+            self.hook.triggered = tuple(n for n, slot in slots.items() if v[slot] != 0.0)
+            if self.hook.triggered and not (cells[x.INITIALISING] or cells[x.IN_EVENT]):
+                try:
+                    self.instance.enter_event_mode()
+                except FmuError as fault:
+                    self.fault = fault
+                    return x.FAULT
+                cells[x.IN_EVENT] = 1
+            return 0
+
+        function = ctypes.CFUNCTYPE(ctypes.c_int)(trigger)
+        self.memory.lives.append(function)
+        return [op.CALL_4, ctypes.cast(function, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """Solve to the next communication point."""

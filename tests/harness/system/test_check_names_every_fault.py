@@ -48,7 +48,7 @@ GOOD = (reader(), wire("plant.force", "reader.measured"))
         (wire("reader.y", "plant.command"), "reader has no output 'y'; legal names: u"),
         (wire("reader.u", "plant.force"), "plant has no input 'force'"),
         (wire("plant.command", "plant.valve"), "plant has no output 'command'"),
-        (wire("reader.u", "plant.label"), "type String cannot be wired; numbers and booleans can"),
+        (wire("plant.force", "plant.label"), "cannot be wired to String; numbers, booleans"),
         (wire("plant.position", "plant.command"), "'mm' (m) cannot be converted to 'N'"),
         (wire("reader.u", "plant.command", -5), "delay -5 ns is negative"),
     ],
