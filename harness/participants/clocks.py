@@ -14,6 +14,7 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from fractions import Fraction
 
+from harness.errors import FmuError
 from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import ModelDescription
@@ -54,10 +55,11 @@ class Clocks:
         for name, v in self.inputs.items():
             kind = v.details.interval_variability
             if kind in _PERIODIC:
-                interval = _seconds(v.details.interval) or self._ask(name)
+                stated = _seconds(v.details.interval)
+                interval = self._ask(name) if stated is None else self._judged(name, stated)
                 if interval:
                     first = exact(self.start) + (_seconds(v.details.shift) or 0)
-                    self._grids[name] = Grid(first, Fraction(interval))
+                    self._grids[name] = Grid(first, interval)
                 else:
                     self.notes.append(f"clock {name!r} never ticks: its interval is not known")
             elif kind == "changing":
@@ -69,7 +71,17 @@ class Clocks:
         if not self.instance.offers("GetIntervalDecimal"):
             return None
         interval = self.instance.interval(name)
-        return None if interval is None else exact(interval)
+        return None if interval is None else self._judged(name, exact(interval))
+
+    def _judged(self, name: str, interval: Fraction) -> Fraction:
+        """An interval that time can go on by; a countdown may be of no time."""
+        zero = self.inputs[name].details.interval_variability == "countdown"
+        if interval > 0 or (zero and interval == 0):
+            return interval
+        raise FmuError(
+            f"component {self.instance.name}: clock {name!r} has an interval of "
+            f"{float(interval):g} s; expected {'0 s or more' if zero else 'more than 0 s'}"
+        )
 
     def next(self, time: float) -> float:
         """The time (s) of the first tick later than `time`, or infinity."""

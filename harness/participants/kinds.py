@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from harness.participants import cosimulation as cosimulation
 from harness.participants import model_exchange as model_exchange
+from harness.participants import scheduled_execution as scheduled_execution
 from harness.participants.block import BlockParticipant
 from harness.participants.participant import Participant
 from harness.participants.python import PythonParticipant

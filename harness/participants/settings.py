@@ -3,7 +3,8 @@
 - start: the default experiment's, else 0
 - stop: the default experiment's, else start + 1 s
 - communication step: the output interval where that was given, else `fixedInternalStepSize`, else
-  the default experiment's step size, else derived
+  the default experiment's step size, else (in scheduled execution) the shortest interval of a
+  clock, else derived
 - output interval: the default experiment's step size in model exchange; in co-simulation every
   communication point; else derived
 - relative tolerance: the default experiment's; the solver for model exchange falls back on 1e-6
@@ -16,10 +17,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from harness.errors import UsageError
 from harness.fmi.binding.interface import (
     MODEL_EXCHANGE,
+    SCHEDULED_EXECUTION,
     InterfaceType,
     capabilities,
 )
@@ -94,6 +97,8 @@ def _communication(s: Settings, d: ModelDescription, notes: list[str]) -> Settin
     if step is None:
         fixed = capabilities(d, s.interface_type).fixed_internal_step_size
         step = _first(fixed or None, s.output_interval, d.step_size or None)
+        if step is None and s.interface_type == SCHEDULED_EXECUTION:
+            step = fastest(d)
         if s.output_interval is not None:
             step = _divisor(s.output_interval, fixed)
         if step is None:
@@ -145,6 +150,13 @@ def derived(length: float) -> float:
     mantissa = wanted / 10.0**power
     round_number = next((m for m in (1, 2, 5) if mantissa <= m * 1.0000001), 10)
     return float(f"{round_number}e{power}")
+
+
+def fastest(d: ModelDescription) -> float | None:
+    """The shortest interval (s) that the file states for an input clock, or None."""
+    stated = [v.details.interval for v in d.variables.values() if v.causality == "input"]
+    found = [float(Fraction(*i) if isinstance(i, tuple) else i) for i in stated if i is not None]
+    return min((interval for interval in found if interval > 0.0), default=None)
 
 
 def _first(*values: float | None) -> float | None:

@@ -23,7 +23,6 @@ NOT_YET = (
     NotYet(frozenset({"doctor"}), "64 bits", "the doctor watches float64"),
     NotYet(frozenset({"doctor"}), "resized", "the doctor sizes arrays by the file"),
     NotYet(frozenset({"doctor"}), "triggers", "the doctor triggers no clocks"),
-    NotYet(BENCH | {"simulate", "doctor"}, "scheduled-execution", "nothing schedules partitions"),
 )
 
 

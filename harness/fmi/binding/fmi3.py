@@ -18,6 +18,7 @@ from harness.fmi.binding.instance import (
     FmuInstance,
     StepOutcome,
 )
+from harness.fmi.binding.interface import SCHEDULED_EXECUTION
 from harness.fmi.binding.logger import fmi3_logger
 from harness.fmi.binding.values import NATIVE_TYPES
 from harness.fmi.description.model_description import Variable
@@ -28,6 +29,15 @@ _TYPES: dict[str, Any] = {
     for name, dtype in NATIVE_TYPES.items()
     if name not in ("Real", "Integer")
 } | {"String": ctypes.c_char_p, "Binary": ctypes.py_object}
+
+
+_CLOCK_UPDATE = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
+_PREEMPTION = ctypes.CFUNCTYPE(None)
+
+
+def _unlocked() -> tuple[Any, Any]:
+    """lockPreemption and unlockPreemption: partitions run one after the other."""
+    return _PREEMPTION(lambda: None), _PREEMPTION(lambda: None)
 
 
 class Fmi3Instance(FmuInstance):
@@ -48,12 +58,31 @@ class Fmi3Instance(FmuInstance):
             )(self.address("InstantiateCoSimulation"))  # fmt: skip
             modes = (self.event_mode, self.early_return)
             handle = function(*common, *modes, None, 0, self._environment, callback, None)
+        elif self.interface_type == SCHEDULED_EXECUTION:
+            self._callbacks = (_CLOCK_UPDATE(self._count_update), *_unlocked())
+            function = ctypes.CFUNCTYPE(p, s, s, s, b, b, p, p, p, p, p)(
+                self.address("InstantiateScheduledExecution")
+            )
+            others = (ctypes.cast(one, p) for one in self._callbacks)
+            handle = function(*common, self._environment, callback, *others)
         else:
             function = ctypes.CFUNCTYPE(p, s, s, s, b, b, p, p)(
                 self.address("InstantiateModelExchange")
             )
             handle = function(*common, self._environment, callback)
         return handle
+
+    clock_updates = 0
+    """How often clockUpdate was called, in scheduled execution."""
+
+    def _count_update(self, environment: int | None) -> None:
+        self.clock_updates += 1
+
+    def activate(self, clock: str, time: float) -> None:
+        """fmi3ActivateModelPartition of a clock at `time` (s)."""
+        reference = ctypes.c_uint32(self.description.variable(clock).value_reference)
+        what = f" of {clock!r} at t = {time:.9g} s"
+        self.call("ActivateModelPartition", reference, ctypes.c_double(time), what=what)
 
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None

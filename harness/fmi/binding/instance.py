@@ -4,8 +4,6 @@ Everything outside the loop goes through here, one ctypes call at a time; the lo
 the addresses (`address`, `handle`) and calls them directly. Statuses are treated as the standard
 says: Warning goes on, Discard and Error raise, after Fatal nothing is called any more, not even
 free. What is particular to model exchange and to events is in `continuous.py` and `events.py`.
-
-This module refuses scheduled execution.
 """
 
 from __future__ import annotations
@@ -81,8 +79,7 @@ class FmuInstance(ABC):
         calling(name, "loading its library")
         self._library = load(path)
         self._library.component = name
-        exchange = interface_type == MODEL_EXCHANGE
-        self._library.require(mandatory_functions(description.fmi_major, exchange))
+        self._library.require(mandatory_functions(description.fmi_major, interface_type))
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()

@@ -40,12 +40,11 @@ def capabilities(description: ModelDescription, interface_type: InterfaceType) -
     """What the FMU can do in this kind of interface; raises `FmuError` where it lacks it."""
     kinds = {
         CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange,
+        SCHEDULED_EXECUTION: description.scheduled_execution,
     }  # fmt: skip
-    found = kinds.get(interface_type)
+    found = kinds[interface_type]
     if found is None:
-        offered: list[str] = [kind for kind, one in kinds.items() if one is not None]
-        if description.scheduled_execution:
-            offered.append("scheduled execution, which needs a real-time scheduler and is not run")
+        offered = [kind for kind, one in kinds.items() if one is not None]
         raise FmuError(
             f"FMU {description.name} offers no {interface_type}; it offers "
             + (" and ".join(offered) or "nothing")

@@ -12,6 +12,12 @@ from pathlib import Path
 from harness.errors import FmuError
 from harness.fmi.binding.binary import built_for, cut_short
 from harness.fmi.binding.dependencies import load_with_neighbours
+from harness.fmi.binding.interface import (
+    CO_SIMULATION,
+    MODEL_EXCHANGE,
+    SCHEDULED_EXECUTION,
+    InterfaceType,
+)
 from harness.fmi.binding.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
@@ -60,17 +66,20 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     )
 
 
-def mandatory_functions(fmi_major: int, model_exchange: bool = False) -> tuple[str, ...]:
+def mandatory_functions(fmi_major: int, kind: InterfaceType) -> tuple[str, ...]:
     """What every library of FMI 2 or 3 must have for any run; setters and getters are looked for
     when a variable of their type is used. FMI 1 prefixes its names, so none are known here."""
     if fmi_major == 1:
         return ()
-    kind = "ModelExchange" if model_exchange else "CoSimulation"
     own = ("SetupExperiment",) if fmi_major == 2 else ()
-    step = ("SetTime", "SetContinuousStates") if model_exchange else ("DoStep",)
+    steps = {
+        CO_SIMULATION: ("DoStep",), MODEL_EXCHANGE: ("SetTime", "SetContinuousStates"),
+        SCHEDULED_EXECUTION: ("ActivateModelPartition",),
+    }  # fmt: skip
     names = (
-        "Instantiate" if fmi_major == 2 else f"Instantiate{kind}", *own, "EnterInitializationMode",
-        "ExitInitializationMode", *step, "Terminate", "FreeInstance",
+        "Instantiate" + kind.title().replace("-", "") * (fmi_major == 3), *own,
+        "EnterInitializationMode",
+        "ExitInitializationMode", *steps[kind], "Terminate", "FreeInstance",
     )  # fmt: skip
     return tuple(f"fmi{fmi_major}{name}" for name in names)
 

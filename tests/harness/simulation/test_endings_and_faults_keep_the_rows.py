@@ -73,8 +73,8 @@ def test_an_interface_that_is_not_offered_names_what_is(tmp_path: Path) -> None:
     body = rest[rest.index(b"<UnitDefinitions") :]
     scheduled = head + b'<ScheduledExecution modelIdentifier="test"/>' + body
     made = rewritten(source, tmp_path / "a.fmu", modelDescription_dot_xml=scheduled)
-    with pytest.raises(FmuError, match="it offers scheduled execution, which needs a real-time"):
-        simulate(made)
+    with pytest.raises(FmuError, match="offers no co-simulation; it offers scheduled-execution$"):
+        simulate(made, interface_type="CS")
 
 
 def test_a_time_event_that_stays_in_the_past_ends_with_a_sentence() -> None:

@@ -1,0 +1,186 @@
+"""Scheduled execution of FMI 3: the importer activates model partitions, each by its input clock.
+
+Partitions run one after the other, so none is ever preempted: at equal times by priority (the lower
+number first), otherwise in order of time. A communication step activates what ticks after its
+start and up to its end, with the inputs that it began with; what ticks at the start of the run is
+activated when initialisation ends. A partition that a wire triggers is activated at the start of
+the step. Countdown clocks are asked for their intervals and output clocks whether they tick after
+an activation that has called clockUpdate. Values that depend on a clock are read right after its
+partition and held until the next time; ticks are rows, those at the end of a step the loop's own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from harness.compiler import operations as op
+from harness.errors import SimulationError
+from harness.fmi.binding.fmi3 import Fmi3Instance
+from harness.fmi.binding.interface import SCHEDULED_EXECUTION
+from harness.participants.driven import DrivenParticipant
+from harness.participants.events import FULL
+from harness.participants.fmu import FmuParticipant
+from harness.participants.memory import Memory, Row
+from harness.participants.participant import Participant
+from harness.system.graph import Endpoint
+
+_FAILED = 3
+_MOST_AT_ONCE = 1000
+
+
+class ScheduledExecution(DrivenParticipant):
+    """An FMU whose partitions are activated on the calendar of the run."""
+
+    kind = SCHEDULED_EXECUTION
+    instance: Fmi3Instance
+
+    def instantiate(self) -> Fmi3Instance:
+        """With its callbacks."""
+        instance = self.made()
+        assert isinstance(instance, Fmi3Instance)
+        return instance
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """Bind the callbacks."""
+        super().link(memory, participants)
+        self._triggers: dict[str, int] = {}
+        self._snapshot: tuple[dict[str, Any], float] = ({}, 0.0)
+        step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double, ctypes.c_double)
+        plain = ctypes.CFUNCTYPE(ctypes.c_int)
+        self._callbacks = {
+            "step": step(self._call), "look": plain(self._look), "save": plain(self._remember),
+            "restore": plain(self._return),
+        }  # fmt: skip
+
+    def _address(self, callback: str) -> int:
+        return ctypes.cast(self._callbacks[callback], ctypes.c_void_p).value or 0
+
+    def leave_initialization(self, time: float) -> None:
+        """Exit initialisation mode, and activate what ticks at the start."""
+        FmuParticipant.leave_initialization(self, time)
+        self.clocks.begin()
+        self.hook.triggered = ()
+        self._last = time
+        self._activate(self.clocks.due(time), time)
+
+    @property
+    def has_events(self) -> bool:
+        """There is no event mode."""
+        return False
+
+    # rows
+
+    def write(self, inputs: Sequence[str]) -> Iterator[Row]:
+        """Set inputs, and look which clocks are triggered."""
+        clocks = [name for name in inputs if self.description.port(name).type == "Clock"]
+        for name in clocks:
+            self._triggers[name] = self.memory.slot(Endpoint(self.name, name), "present")
+        if clocks:
+            yield [op.CALL_4, self._address("look"), 0, 0, 0, 0]
+        yield from super().write([name for name in inputs if name not in clocks])
+
+    def step(self, ticks: int, final: bool) -> Iterator[Row]:
+        """Activate what ticks in that time."""
+        yield [op.STEP_CALL, self._address("step"), 0, ticks]
+
+    def save(self) -> Iterator[Row]:
+        """Get the FMU state, and remember the ticks that are planned."""
+        yield from super().save()
+        yield [op.CALL_4, self._address("save"), 0, 0, 0, 0]
+
+    def restore(self) -> Iterator[Row]:
+        """Set the FMU state, and plan the ticks as they were."""
+        yield from super().restore()
+        yield [op.CALL_4, self._address("restore"), 0, 0, 0, 0]
+
+    def _remember(self) -> int:
+        self._snapshot = self.remembered(), self._last
+        return 0
+
+    def _return(self) -> int:
+        self.recall(self._snapshot[0])
+        self._last = self._snapshot[1]
+        return 0
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from where the FMU and `memory` come from; inputs are set anew."""
+        super().recall(memory)
+        self.inputs.forget()
+
+    # steps
+
+    def _look(self) -> int:
+        v = self.memory.v
+        self.hook.triggered = tuple(n for n, at in self._triggers.items() if v[at] != 0.0)
+        return 0
+
+    def _call(self, unused: int, start: float, target: float) -> int:
+        try:
+            return self._to(start, target)
+        except BaseException as fault:
+            self.fault = fault
+            return _FAILED
+
+    def advance(self, start: float, target: float) -> None:
+        """The same step outside the loop; raises `HarnessError`."""
+        self._last = start
+        self._to(start, target)
+
+    def _to(self, start: float, target: float) -> int:
+        """Go on behind the last tick; a step that is taken up again has been there already."""
+        self.hook.forget_ticks()
+        if self._full:
+            return FULL
+        if self.hook.triggered:
+            triggered, self.hook.triggered = self.hook.triggered, ()
+            self._activate(triggered, start)
+            self._row(start)
+        while (tick := self.clocks.next(self._last)) <= target:
+            if self._full:
+                return FULL
+            self._activate(self.clocks.due(tick), tick)
+            self._last = tick
+            if tick < target:
+                self._row(tick)
+        self.inputs.apply(self.instance, target)
+        return 0
+
+    @property
+    def _full(self) -> bool:
+        return bool(self._room[0] < int(self.memory.clock[op.ROWS]) + 2)
+
+    def _row(self, time: float) -> None:
+        self.hook.observe(time)
+        self.hook.forget_ticks()
+
+    def _activate(self, names: Sequence[str], time: float) -> None:
+        """Activate partitions by priority, and those that they start with no delay."""
+        self.inputs.apply(self.instance, time)
+        waiting, clocks, instance = list(names), self.clocks, self.instance
+        for _ in range(_MOST_AT_ONCE):
+            if not waiting:
+                return
+            name = min(waiting, key=self._urgency)
+            waiting.remove(name)
+            updates = instance.clock_updates
+            instance.activate(name, time)
+            clocks.ticked((name,), time)
+            active = {name: True}
+            if instance.clock_updates != updates:
+                clocks.count_down(time)
+                active |= {output: bool(instance.get(output)) for output in clocks.outputs}
+            self.hook.hold(active)
+            waiting += [one for one in clocks.due_now(time) if one not in waiting]
+        raise SimulationError(
+            f"component {self.name}: more than {_MOST_AT_ONCE} activations at t = {time:.9g} s, "
+            f"the last one of {name!r}: countdown clocks start each other without delay, and time "
+            "stands still"
+        )
+
+    def _urgency(self, clock: str) -> tuple[float, int]:
+        """By priority, those without one last, and in the order of the description."""
+        priority = self.clocks.inputs[clock].details.priority
+        order = list(self.clocks.inputs).index(clock)
+        return float("inf") if priority is None else priority, order
