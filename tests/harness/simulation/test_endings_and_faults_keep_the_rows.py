@@ -73,7 +73,7 @@ def test_an_interface_that_is_not_offered_names_what_is(tmp_path: Path) -> None:
     body = rest[rest.index(b"<UnitDefinitions") :]
     scheduled = head + b'<ScheduledExecution modelIdentifier="test"/>' + body
     made = rewritten(source, tmp_path / "a.fmu", modelDescription_dot_xml=scheduled)
-    with pytest.raises(FmuError, match="offers no co-simulation; it offers scheduled-execution$"):
+    with pytest.raises(FmuError, match=r"offers no co-simulation; it offers scheduled-execution$"):
         simulate(made, interface_type="CS")
 
 
