@@ -58,5 +58,5 @@ def test_an_interval_that_time_cannot_go_on_by_names_its_clock(tmp_path: Path) -
     stuck = xml.replace(b'intervalCounter="1" resolution="4"', b'intervalDecimal="-0.25"')
     assert stuck != xml
     made = rewritten(source, tmp_path / "stuck.fmu", modelDescription_dot_xml=stuck)
-    with pytest.raises(FmuError, match="'slow' with interval -0.25, at which no clock ticks"):
+    with pytest.raises(FmuError, match=r"'slow' with interval -0.25, at which no clock ticks"):
         simulate(made, stop_time=1.0)
