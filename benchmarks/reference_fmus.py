@@ -34,7 +34,6 @@ from rich.table import Table
 from scipy.integrate import solve_ivp
 
 from harness import Fmu, simulate
-from harness.errors import HarnessError
 from harness.results.csv_files import read_reference
 from harness.results.result import Result
 from tests.every_way.cases import Case
@@ -81,7 +80,7 @@ class Row:
 
     @property
     def agrees(self) -> bool:
-        """Whether the difference is within its limit, or the refusal the expected one."""
+        """Whether the difference is within its limit, or the way is one of `not_yet`."""
         return self.words != "" if self.difference is None else self.difference <= self.limit
 
 
@@ -138,9 +137,6 @@ def run_fmu(path: Path, folders: list[Path]) -> Iterator[Row]:
     with Fmu(path) as fmu:
         d = fmu.description
     model, fmi = path.stem, d.fmi_version[:3]
-    if d.co_simulation is None and d.model_exchange is None:
-        yield _refusal(path, model, fmi)
-        return
     if model not in GRID:
         return
     published = _find(folders, f"{model}_out.csv")
@@ -216,14 +212,6 @@ def _against_solution(path: Path, fmi: str) -> Row:
                int(keep.sum()), worst, 1e-5)  # fmt: skip
 
 
-def _refusal(path: Path, model: str, fmi: str) -> Row:
-    try:
-        simulate(path)
-    except HarnessError as fault:
-        return Row(model, fmi, "scheduled execution", "–", "–", 0, 0, None, 0.0, str(fault))
-    return Row(model, fmi, "scheduled execution", "–", "–", 0, 0, None, 0.0)
-
-
 def _ball(time: Array) -> dict[str, Array]:
     """h of the ball with g = 9.81 m/s² and e = 0.7, which rests below 0.1 m/s."""
     found = np.zeros(len(time))
@@ -288,8 +276,7 @@ def cells(row: Row) -> tuple[str, ...]:
     shown = "–" if row.difference is None else f"{row.difference:.1e}" if row.difference else "0"
     verdict = "agrees" if row.agrees else "DIFFERS"
     if row.difference is None and row.words:
-        planned = row.compared_with != "–"
-        verdict = f"not yet: {row.words}" if planned else "refused with a sentence"
+        verdict = f"not yet: {row.words}"
     return (row.model, row.fmi, row.kind, row.method, row.compared_with, size, shown, verdict)
 
 
