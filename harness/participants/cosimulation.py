@@ -82,7 +82,7 @@ class CoSimulation(DrivenParticipant):
         self._given: dict[int, int] = {}
         self._continuous: dict[int, bool] = {}
         self._clock_inputs: dict[str, int] = {}
-        self._resumed = start
+        self._resume_at: float | None = None
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Bind the callbacks."""
@@ -155,8 +155,8 @@ class CoSimulation(DrivenParticipant):
         try:
             if self._room[0] < int(self.memory.clock[op.ROWS]) + 2:
                 return FULL
-            self._resumed = max(start, self._resumed)
-            return self._to(min(self._resumed, target), target)
+            begin, self._resume_at = self._resume_at, None
+            return self._to(start if begin is None else begin, target)
         except EndRequestedError as fault:
             self.fault = fault
             return ENDED
@@ -189,8 +189,9 @@ class CoSimulation(DrivenParticipant):
         if self._in_event:
             self._handle(time)
         while time < target:
-            time = self._resumed = self._part(time, target)
+            time = self._part(time, target)
             if self._room[0] < int(self.memory.clock[op.ROWS]) + 2 and time < target:
+                self._resume_at = time
                 return FULL
         return 0
 
