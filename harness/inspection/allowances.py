@@ -58,21 +58,19 @@ def allowances(d: ModelDescription, findings: tuple[Finding, ...]) -> tuple[Allo
     for finding in findings:
         by_kind.setdefault(finding.interface_type, {})[finding.check] = finding
     alone = [_judged(_SIMULATION[kind], found) for kind, found in by_kind.items()]
-    refusal = _not_in_the_loop(d)
-    if refusal:
-        return (*alone, *(Allowance(use.name, False, refusal) for use in _LOOP))
-    stepping = by_kind[CO_SIMULATION]
-    in_loop = [_judged(use, stepping) for use in _LOOP]
+    kind = next((k for k in (CO_SIMULATION, MODEL_EXCHANGE) if k in by_kind), None)
+    if kind is None:
+        return tuple(alone)
+    in_loop = [_judged(use, by_kind[kind]) for use in _LOOP]
+    if kind == MODEL_EXCHANGE:
+        places = {use.name: i for i, use in enumerate(_LOOP)}
+        in_loop[places["resume"]] = Allowance("resume", False, "the solver cannot be stored")
+        runs = _judged(_Use("delays within a step", (c.RUNS,)), by_kind[kind])
+        in_loop[places["delays within a step"]] = runs
     if not d.states:
         without = Allowance("sensitivity", False, "the FMU names no continuous states")
         in_loop[-1] = without
     return (*alone, *in_loop)
-
-
-def _not_in_the_loop(d: ModelDescription) -> str:
-    if d.co_simulation is None:
-        return "it offers model exchange only: simulate it alone"
-    return "it is of FMI 1, and the loop runs FMI 2 and 3: simulate it alone" * (d.fmi_major == 1)
 
 
 def _judged(use: _Use, found: Mapping[str, Finding]) -> Allowance:

@@ -29,6 +29,7 @@ from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.check import check
 from harness.system.graph import Component, Endpoint, FmuComponent, PythonComponent, System
+from harness.system.policy import capabilities_of
 
 Echo = Callable[[str, LogMessage], None]
 StartValues = Mapping[str, Mapping[str, Any]]
@@ -105,8 +106,8 @@ class PreparedSystem:
 
     def _remembers(self, component: Component) -> bool:
         if isinstance(component, FmuComponent):
-            interface = self._fmus[component.name].description.co_simulation
-            return interface is not None and interface.can_be_instantiated_only_once
+            d = self._fmus[component.name].description
+            return capabilities_of(component.policy, d).can_be_instantiated_only_once
         return isinstance(component, PythonComponent)
 
 

@@ -24,6 +24,7 @@ from harness.participants.clocks import has_input_clocks
 from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
+from harness.participants.fmu import FmuParticipant
 from harness.participants.grid import is_close
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
@@ -140,6 +141,14 @@ class CoSimulation(DrivenParticipant):
         last_time = self.memory.held(np.full(1, op.UNTOUCHED))
         yield [op.STEP_FMI3, *head, flags, last_time, start, int(final)]
 
+    def save(self) -> Iterator[Row]:
+        """Get the FMU state; plain co-simulation has nothing besides."""
+        return FmuParticipant.save(self) if self._direct else super().save()
+
+    def restore(self) -> Iterator[Row]:
+        """Set the FMU state."""
+        return FmuParticipant.restore(self) if self._direct else super().restore()
+
     def slopes(self, inputs: Sequence[str], slots: Sequence[int]) -> Iterator[Row]:
         """fmi2SetRealInputDerivatives of first order."""
         ends = [Endpoint(self.name, name) for name in inputs]
@@ -182,7 +191,8 @@ class CoSimulation(DrivenParticipant):
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from."""
         super().recall(memory)
-        self._in_event = False
+        self._in_event, self._resume_at = False, None
+        self._given = dict.fromkeys(self._given, -1)
 
     def _to(self, time: float, target: float) -> int:
         self.hook.forget_ticks()

@@ -6,7 +6,7 @@ from __future__ import annotations
 import ctypes
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from harness.participants.context import Context
 from harness.participants.events import settle_entry
 from harness.participants.fmu import FmuParticipant, Observer
 from harness.participants.hook import EventHook
-from harness.participants.memory import Memory
+from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
 from harness.participants.track_data import read_inputs
 from harness.system.graph import Endpoint
@@ -154,6 +154,41 @@ class DrivenParticipant(FmuParticipant):
     def seconds(self) -> float:
         """The communication step (s)."""
         return self.component.step_ns / (self.around.ticks_per_second or NANOSECONDS)
+
+    # snapshots
+
+    def save(self) -> Iterator[Row]:
+        """Get the FMU state, and remember what the importer knows."""
+        yield from super().save()
+        yield self.calling(self.remember)
+
+    def restore(self) -> Iterator[Row]:
+        """Set the FMU state; inputs will be set anew."""
+        yield from super().restore()
+        yield self.calling(self.return_to_snapshot)
+
+    def remember(self) -> None:
+        """Remember with the snapshot what the FMU does not."""
+        self._importer_state = self.remembered()
+
+    def return_to_snapshot(self) -> None:
+        """Go on from the snapshot."""
+        self.recall(self._importer_state)
+
+    def calling(self, function: Callable[[], None]) -> Row:
+        """A row that calls Python; a fault is remembered."""
+
+        def call() -> int:
+            try:
+                function()
+            except BaseException as fault:
+                self.fault = fault
+                return x.FAULT
+            return 0
+
+        made = ctypes.CFUNCTYPE(ctypes.c_int)(call)
+        self.memory.lives.append(made)
+        return [op.CALL_4, ctypes.cast(made, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
 
     # outside of the loop
 

@@ -45,6 +45,7 @@ from harness.master.plan.order import by_component, feeding_inputs
 from harness.participants.memory import View
 from harness.system.graph import Endpoint
 from harness.system.lowering import LoweredSystem, Wire
+from harness.system.policy import capabilities_of
 
 Groups = tuple[tuple[str, ...], ...]
 """Names of FMUs, group by group."""
@@ -96,10 +97,12 @@ class Algorithm(ABC):
         self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.step_ns}
         for wire in lowered.fmu_wires:
             self.wires_to[wire.target.component].append(wire)
+        self.capabilities = {
+            c.name: capabilities_of(c.policy, descriptions[c.name]) for c in lowered.fmus
+        }
         self.interpolating = {
-            name for name in self.step_ns
-            if (c := descriptions[name].co_simulation) is not None
-            and c.can_interpolate_inputs and descriptions[name].fmi_major == 2
+            name for name, c in self.capabilities.items()
+            if c.can_interpolate_inputs and descriptions[name].fmi_major == 2
         }  # fmt: skip
         if reason := self.refusal():
             raise GraphError(reason)

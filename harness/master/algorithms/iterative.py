@@ -48,11 +48,8 @@ class Iterative(GaussSeidel):
     def refusal(self) -> str:
         """All of a group must save and restore their state."""
         for group in self.together(self.lowered):
-            lacking = []
-            for name in group:
-                capabilities = self.descriptions[name].co_simulation
-                if capabilities is None or not capabilities.can_get_and_set_fmu_state:
-                    lacking.append(name)
+            able = self.capabilities
+            lacking = [name for name in group if not able[name].can_get_and_set_fmu_state]
             if lacking:
                 return (
                     f"the iterative algorithm repeats the steps of {', '.join(group)}, which drive "

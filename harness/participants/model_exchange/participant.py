@@ -12,9 +12,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.compiler import operations as op
-from harness.errors import EndRequestedError, FmuError
+from harness.errors import EndRequestedError
 from harness.fmi.binding.continuous import ContinuousPart
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.interface import MODEL_EXCHANGE
@@ -49,6 +50,7 @@ class ModelExchange(DrivenParticipant):
         super().enter_initialization(start, stop)
         self.context.cells[x.INITIALISING] = 1
         self._advance, self._begin_write = entries()
+        self._last: list[NDArray[np.int64]] = []
 
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode, handle the event at the start, set up the solver."""
@@ -151,7 +153,8 @@ class ModelExchange(DrivenParticipant):
         ends = [Endpoint(self.name, n) for name in inputs for n in self.description.whole(name)]
         slots = [self.memory.address(self.memory.slot(end, "present")) for end in ends]
         places = self.memory.held(np.array(slots, dtype=np.int64))
-        last = self.memory.held(np.full(len(slots), -1, dtype=np.int64))
+        self._last.append(np.full(len(slots), -1, dtype=np.int64))
+        last = self.memory.held(self._last[-1])
         writing = [self.context.address, len(slots), places, last, 0]
         place = self.memory.held(np.array(writing, dtype=np.int64))
         yield [op.CALL_2, self._begin_write.address, place, 0]
@@ -162,21 +165,22 @@ class ModelExchange(DrivenParticipant):
         """Enter event mode where a wire to a clock carries true."""
         slots = {name: self.memory.slot(Endpoint(self.name, name), "present") for name in names}
 
-        def trigger() -> int:
+        def trigger() -> None:
             cells, v = self.context.cells, self.memory.v
             self.hook.triggered = tuple(n for n, slot in slots.items() if v[slot] != 0.0)
             if self.hook.triggered and not (cells[x.INITIALISING] or cells[x.IN_EVENT]):
-                try:
-                    self.instance.enter_event_mode()
-                except FmuError as fault:
-                    self.fault = fault
-                    return x.FAULT
+                self.instance.enter_event_mode()
                 cells[x.IN_EVENT] = 1
-            return 0
 
-        function = ctypes.CFUNCTYPE(ctypes.c_int)(trigger)
-        self.memory.lives.append(function)
-        return [op.CALL_4, ctypes.cast(function, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
+        return self.calling(trigger)
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on from where the FMU and `memory` come from: all inputs will be set anew."""
+        super().recall(memory)
+        self.context.cells[x.UNFINISHED] = 0
+        for last in self._last:
+            last[:] = -1
+        self.begin_anew()
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """Solve to the next communication point."""
