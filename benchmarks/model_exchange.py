@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import tempfile
+import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,14 +95,15 @@ class Built:
 
 
 def build(case: Case, folder: Path) -> Built:
-    """Compile the C program for a case; FMPy reads what it must know of the FMU."""
+    """Compile the C program for a case; FMPy reads what it must know of the FMU, but for
+    abilities, which it overlooks in FMI 3."""
     fmu = case.fmu(folder)
     unpacked = Path(fmpy.extract(str(fmu), str(folder / "unpacked")))
     d = fmpy.read_model_description(str(unpacked))
     identifier = d.modelExchange.modelIdentifier
     library = next(iter(unpacked.glob(f"binaries/*/{identifier}.so")))
     program = folder / "model_exchange"
-    defined = [f"-D{name}={value}" for name, value in _constants(case, d).items()]
+    defined = [f"-D{name}={value}" for name, value in _constants(case, d, unpacked).items()]
     source = SOURCES / "model_exchange.c"
     subprocess.run([*OPTIONS, "-Wno-pedantic", *defined, source, "-o", program, "-lm"], check=True)
     place = next(iter((Path(fmpy.__file__).parent / "sundials").glob("x86_64-linux")))
@@ -110,22 +112,21 @@ def build(case: Case, folder: Path) -> Built:
     return Built(case, fmu, (str(program), str(library), token), solver)
 
 
-def _constants(case: Case, d: ModelDescription) -> dict[str, object]:
+def _constants(case: Case, d: ModelDescription, unpacked: Path) -> dict[str, object]:
     version = int(d.fmiVersion[0])
     references = {v.name: v.valueReference for v in d.modelVariables}
     rates = [one.variable for one in d.derivatives]
     states = [v.derivative for v in rates]
-    me = d.modelExchange
+    attributes = ET.parse(unpacked / "modelDescription.xml").getroot().find("ModelExchange").attrib
+    said = {name for name, value in attributes.items() if value in ("1", "true")}
+    jacobian = {"providesDirectionalDerivative", "providesDirectionalDerivatives"} & said
+    completed = version == 2 and "completedIntegratorStepNotNeeded" not in said
+    completed |= "needsCompletedIntegratorStep" in said
     return {
         "FMI": version, "STATES": len(states), "TOLERANCE": TOLERANCE,
         "STATE_REFERENCES": ",".join(str(v.valueReference) for v in states),
         "RATE_REFERENCES": ",".join(str(v.valueReference) for v in rates),
-        "JACOBIAN": int(bool(me.providesDirectionalDerivative)),
-        "COMPLETED": int(
-            me.needsCompletedIntegratorStep
-            if version == 3
-            else not me.completedIntegratorStepNotNeeded
-        ),
+        "JACOBIAN": int(bool(jacobian)), "COMPLETED": int(completed),
         "INPUT": references[case.input], "OUTPUT": references[case.output],
         "REFERENCE": case.reference, "KP": case.kp, "KI": case.ki,
         "HALF_PERIOD": HALF_PERIOD, "STEP_NS": round(STEP * 1e9),

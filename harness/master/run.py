@@ -263,7 +263,9 @@ class _Run:
             host.loop(False)
             done = program.clock[ROWS]
             if done:
-                times, rows = in_time_order(self._times[:done], self._rows[:done])
+                times, rows = self._times[:done], self._rows[:done]
+                if program.events:
+                    times, rows = in_time_order(times, rows)
                 self.last = float(times[-1])
                 self.recorder.append(times, rows)
 
