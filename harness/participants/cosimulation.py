@@ -188,10 +188,15 @@ class CoSimulation(DrivenParticipant):
             self._in_event = True
         super().give(values)
 
+    def remembered(self) -> dict[str, Any]:
+        """What the importer must remember with a snapshot of the FMU."""
+        return super().remembered() | {"in event mode": int(self._in_event)}
+
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from."""
         super().recall(memory)
-        self._in_event, self._resume_at = False, None
+        self._in_event = bool(memory["in event mode"])
+        self._resume_at = None
         self._given = dict.fromkeys(self._given, -1)
 
     def _to(self, time: float, target: float) -> int:

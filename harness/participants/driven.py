@@ -202,14 +202,18 @@ class DrivenParticipant(FmuParticipant):
 
     def remembered(self) -> dict[str, Any]:
         """What the importer must remember with a snapshot of the FMU, as plain values."""
-        return {"next event": float(self.context.reals[x.EVENT_TIME]),
-                "ticks": self.clocks.memory()}  # fmt: skip
+        cells, reals = self.context.cells, self.context.reals
+        return {
+            "next event": float(reals[x.EVENT_TIME]),
+            "in event mode": int(cells[x.IN_EVENT]),
+            "ticks": self.clocks.memory(),
+        }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from."""
         self.clocks.recall(memory["ticks"])
         self.context.reals[x.EVENT_TIME] = memory["next event"]
-        self.context.cells[x.IN_EVENT] = 0
+        self.context.cells[x.IN_EVENT] = memory["in event mode"]
 
     # what a step came to
 
