@@ -14,6 +14,7 @@ from harness.inspection.allowances import Allowance, allowances
 from harness.inspection.catalogue import CHECKS
 from harness.inspection.examination_process import Examination, Folder, Progress
 from harness.inspection.finding import Finding, Verdict
+from harness.participants.kinds import load_kernels
 
 DEADLINE = 60.0
 """Seconds that one check may take."""
@@ -76,6 +77,7 @@ def examine(
     kinds = [kind for kind, one in offered.items() if one is not None]
     if not kinds:
         capabilities(description, CO_SIMULATION)
+    load_kernels(exchange=MODEL_EXCHANGE in kinds)  # the deadline is that of the FMU
     findings: list[Finding] = []
     with closing(Folder()) as folder:
         for kind in kinds:

@@ -6,6 +6,9 @@ from harness.participants import cosimulation as cosimulation
 from harness.participants import model_exchange as model_exchange
 from harness.participants import scheduled_execution as scheduled_execution
 from harness.participants.block import BlockParticipant
+from harness.participants.events import settle_entry
+from harness.participants.model_exchange.equations import callbacks
+from harness.participants.model_exchange.kernels import entries
 from harness.participants.participant import Participant
 from harness.participants.python import PythonParticipant
 from harness.participants.sensitivity import SensitivityParticipant
@@ -31,3 +34,12 @@ def sampled(component: SampledComponent, signals: int) -> Participant:
         case SignalComponent():
             return SignalParticipant(component, signals)
     return SensitivityParticipant(component)
+
+
+def load_kernels(*, exchange: bool) -> None:
+    """Compile, or fetch, the code that participants with events call, also that of model exchange;
+    where processes are forked it is best there before."""
+    settle_entry()
+    if exchange:
+        callbacks()
+        entries()

@@ -16,7 +16,9 @@ from harness.clock import to_seconds
 from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.errors import HarnessError
+from harness.fmi.binding.interface import MODEL_EXCHANGE
 from harness.master.program.loop import run_cycles
+from harness.participants.kinds import load_kernels
 from harness.results.manifest import software_versions
 from harness.system.graph import BlockComponent, System
 
@@ -24,6 +26,8 @@ from harness.system.graph import BlockComponent, System
 def warm_up(system: System) -> None:
     """Load the loop and the blocks of `system`; a fault in a block is left for its run to tell."""
     _load_loop()
+    kinds = {c.policy.interface_type for c in system.fmus}
+    load_kernels(exchange=MODEL_EXCHANGE in kinds)
     software_versions()
     blocks = [c.block for c in system.components if isinstance(c, BlockComponent)]
     with suppress(HarnessError):

@@ -84,7 +84,7 @@ def test_rows_before_a_fault_are_written(
     ("arguments", "words"),
     [
         (("--start-values", "x"), "must have the form name=value"),
-        (("--interface-type", "se"), "interface type 'se' is unknown"),
+        (("--interface-type", "xe"), "interface type 'xe' is unknown"),
         (("--step-size", "-1"), "step size must be positive"),
         (("--output-variables", "nothing*"), "nothing to record matches 'nothing*'"),
         (("--step-size", "abc"), "Invalid value for '--step-size'"),

@@ -11,7 +11,7 @@ from numpy.random import SeedSequence
 from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment
 from harness.instruments.imperfections import Bias
-from harness.instruments.source import PureSampler
+from harness.instruments.source import FunctionSampler
 
 FILE = """
 title = "A staircase"
@@ -37,8 +37,8 @@ class Staircase:
     height: float
     unit: str | None = None
 
-    def sampler(self, seed: SeedSequence) -> PureSampler:
-        return PureSampler(lambda ns: self.height * (ns >= 500_000_000))
+    def sampler(self, seed: SeedSequence) -> FunctionSampler:
+        return FunctionSampler(lambda ns: self.height * (ns >= 500_000_000))
 
 
 class Raised(Bias):

@@ -31,6 +31,7 @@ def seconds(folder: Path, count: int, more: str) -> float:
     return min(times)
 
 
+@pytest.mark.slow  # a figure of time, which a loaded machine moves
 @pytest.mark.parametrize("more", ["", 'strange="1"', 'unit="none"'])
 def test_reading(tmp_path: Path, more: str) -> None:
     few, many = (seconds(tmp_path, count, more) for count in COUNTS)
