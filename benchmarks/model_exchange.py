@@ -117,8 +117,8 @@ def _constants(case: Case, d: ModelDescription, unpacked: Path) -> dict[str, obj
     references = {v.name: v.valueReference for v in d.modelVariables}
     rates = [one.variable for one in d.derivatives]
     states = [v.derivative for v in rates]
-    attributes = ET.parse(unpacked / "modelDescription.xml").getroot().find("ModelExchange").attrib
-    said = {name for name, value in attributes.items() if value in ("1", "true")}
+    root = ET.parse(unpacked / "modelDescription.xml").getroot()
+    said = {n for e in root.iter("ModelExchange") for n in e.attrib if e.get(n) in ("1", "true")}
     jacobian = {"providesDirectionalDerivative", "providesDirectionalDerivatives"} & said
     completed = version == 2 and "completedIntegratorStepNotNeeded" not in said
     completed |= "needsCompletedIntegratorStep" in said
@@ -205,7 +205,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=9)
     parser.add_argument("--json", type=Path, help="write all measurements there")
     options = parser.parse_args()
-    console = Console(width=100)
+    console = Console(width=110)
     console.print(*machine().values(), sep="\n")
     results = {case.name: measure(case, options.samples, options.repeats) for case in CASES}
     console.print(table(results))

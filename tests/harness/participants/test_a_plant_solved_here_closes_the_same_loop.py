@@ -18,8 +18,8 @@ LOOPS = {
 STEP = 0.01
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 MOST_STEPS = 1000
-"""A solver errs by about a tolerance a step, and what begins anew at each of a hundred samples takes
-some ten steps a sample; so many tolerances of the range the two may differ."""
+"""A solver errs by about a tolerance a step, and one that begins anew at each of a hundred samples
+takes some ten steps for each; so many tolerances of the range the two may differ."""
 
 
 class PI:
