@@ -207,11 +207,13 @@ class DrivenParticipant(FmuParticipant):
             "next event": float(reals[x.EVENT_TIME]),
             "in event mode": int(cells[x.IN_EVENT]),
             "ticks": self.clocks.memory(),
+            "last ticks": dict(self.hook.last_ticks),
         }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from."""
         self.clocks.recall(memory["ticks"])
+        self.hook.last_ticks = dict(memory["last ticks"])
         self.context.reals[x.EVENT_TIME] = memory["next event"]
         self.context.cells[x.IN_EVENT] = memory["in event mode"]
 

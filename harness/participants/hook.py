@@ -49,6 +49,7 @@ class EventHook:
             if (v.type == "Clock" or v.details.clocks) and v.causality != "input"
         ]  # fmt: skip
         self._ticked: set[str] = set()
+        self.last_ticks: dict[str, float] = {}
         self._function = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double)(self._call)
         self.address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
         self.segment = -math.inf
@@ -105,7 +106,9 @@ class EventHook:
     def tick(self, time: float) -> None:
         """Set the clocks that tick in this iteration, and read what depends on them."""
         if self._ticking is None:
-            self._ticking = (*self.clocks.due(time), *self.triggered)
+            due = [name for name in self.clocks.due(time) if self.last_ticks.get(name) != time]
+            self.last_ticks |= dict.fromkeys(due, time)  # a second event at one time ticks no more
+            self._ticking = (*due, *self.triggered)
             self.triggered = ()
         self.instance.set(dict.fromkeys(self._ticking, True))
         self._hold(self._ticking)
