@@ -13,7 +13,7 @@ PAGES = (*IN_THE_REPOSITORY, "own-package")
 
 
 _STALE = ("signal", "metric", "fmi-function")
-"""Pages that show lines of the harness which have moved since; they are to be brought up to date."""
+"""Pages that show lines of the harness which have moved since, to be brought up to date."""
 
 
 def _case(page: str) -> Any:
