@@ -42,7 +42,7 @@ class Run:
     fmi: int = 3
     code: int = 1
     rows: int | None = None  # None: any number
-    settings: str = ""
+    settings: str = "call = 0.3"
 
     def __str__(self) -> str:
         return f"{self.behaviour} (FMI {self.fmi})"
@@ -83,8 +83,12 @@ def _oddities() -> list[Run]:
         Run("DoStep early 5", "returned before the end of the step", rows=HALFWAY),
         Run("InstantiateCoSimulation null", "could not be instantiated"),
         Run("Instantiate null", "could not be instantiated", 2),
-        Run("DoStep memory 5", memory, rows=HALFWAY, settings='memory = "500 MiB"'),
-        Run("DoStep sleep 0 60", "the run had not ended after 0.2 s", settings="run = 0.2"),
+        Run("DoStep memory 5", memory, rows=HALFWAY, settings='memory = "500 MiB"\ncall = 20.0'),
+        Run(
+            "DoStep sleep 0 60",
+            "the run had not ended after 0.2 s",
+            settings="call = 0.3\nrun = 0.2",
+        ),
         Run("DoStep exit 5 3", r"as by exit\(3\)", rows=HALFWAY),
         Run("DoStep log_error\nDoStep segfault 5", "SIGSEGV.*the valve broke", rows=HALFWAY),
         Run("DoStep log_garbage\nDoStep error 5", "returned Error: .*not text", 2, rows=HALFWAY),

@@ -29,7 +29,6 @@ parameters = { time = 0.02, final = 1.0 }
 [checkpoint]
 every = 0.0
 [limits]
-call = 0.3
 """
 
 
