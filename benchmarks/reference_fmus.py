@@ -37,7 +37,6 @@ from harness import Fmu, simulate
 from harness.results.csv_files import read_reference
 from harness.results.result import Result
 from tests.every_way.cases import Case
-from tests.every_way.not_yet import reason
 from tests.every_way.reference_fmus import reference_cases
 from tests.every_way.ways import WAYS, by_plain_driver
 
@@ -65,7 +64,7 @@ SCHEDULE = {
 
 @dataclass(frozen=True)
 class Row:
-    """One run: `difference` as a share of the range, None where there was no run, `words` then."""
+    """One run: `difference` as a share of the range."""
 
     model: str
     fmi: str
@@ -74,14 +73,13 @@ class Row:
     compared_with: str
     columns: int
     rows: int
-    difference: float | None
+    difference: float
     limit: float
-    words: str = ""
 
     @property
     def agrees(self) -> bool:
-        """Whether the difference is within its limit, or the way is one of `not_yet`."""
-        return self.words != "" if self.difference is None else self.difference <= self.limit
+        """Whether the difference is within its limit."""
+        return self.difference <= self.limit
 
 
 def run_all(folders: list[Path]) -> Iterator[Row]:
@@ -103,13 +101,11 @@ def run_every_way(case: Case, folders: list[Path]) -> Iterator[Row]:
     columns = [column for column in case.watched if column in expected]
     for way, run in {"plain driver": by_plain_driver, **WAYS}.items():
         method = f"{way}, event mode" if case.event_mode else way
-        difference, words = None, reason(way, case.needs) or ""
-        if not words:
-            rows = run(case)
-            difference = max(_apart(rows[c], expected[c]) for c in columns)
+        rows = run(case)
+        difference = max(_apart(rows[c], expected[c]) for c in columns)
         count = case.job().steps + 1
         yield Row(name, f"{case.version}.0", case.kind, method, against, len(columns), count,
-                  difference, 1e-9, words)  # fmt: skip
+                  difference, 1e-9)  # fmt: skip
 
 
 def _apart(ours: Sequence[Any], theirs: Sequence[Any]) -> float:
@@ -273,10 +269,8 @@ def table(rows: list[Row]) -> Table:
 def cells(row: Row) -> tuple[str, ...]:
     """The cells of one row of the table."""
     size = f"{row.columns} × {row.rows}" if row.columns else "–"
-    shown = "–" if row.difference is None else f"{row.difference:.1e}" if row.difference else "0"
+    shown = f"{row.difference:.1e}" if row.difference else "0"
     verdict = "agrees" if row.agrees else "DIFFERS"
-    if row.difference is None and row.words:
-        verdict = f"not yet: {row.words}"
     return (row.model, row.fmi, row.kind, row.method, row.compared_with, size, shown, verdict)
 
 

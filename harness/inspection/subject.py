@@ -139,12 +139,19 @@ class Subject:
         finally:
             trial.participant.close()
 
-    def trial(self, name: str = "subject", start_values: Mapping[str, Any] | None = None) -> Trial:
-        """A participant that is not initialised, with the settings of `simulate`."""
+    def trial(
+        self,
+        name: str = "subject",
+        start_values: Mapping[str, Any] | None = None,
+        triggers: Mapping[str, Any] | None = None,
+    ) -> Trial:
+        """A participant that is not initialised, with the settings of `simulate`; `triggers` are
+        inputs over time of clocks that the importer triggers."""
         s, step = self.settings, exact(self.step)
         policy = Policy(interface_type=self.interface_type, tolerance=s.relative_tolerance,
                         largest_step=self.step if self.exchanges else None)  # fmt: skip
-        component = FmuComponent(name, self.fmu.path, step.numerator, start_values or {}, policy)
+        component = FmuComponent(name, self.fmu.path, step.numerator, start_values or {}, policy,
+                                 inputs=triggers)  # fmt: skip
         around = Around(ticks_per_second=step.denominator)
         participant = FmuParticipant.of(component, self.fmu, around)
         assert isinstance(participant, DrivenParticipant)

@@ -1,29 +1,26 @@
-"""Which ways are expected to agree with the plain driver on a case, and what agreeing means."""
+"""What it means that a way agrees with the plain driver on a case."""
 
 from collections.abc import Iterable, Iterator
+from itertools import product
 from typing import Any
 
 import pytest
 
 from tests.every_way.cases import Case
-from tests.every_way.not_yet import reason
-from tests.every_way.ways import WAYS, Rows, by_plain_driver
+from tests.every_way.ways import WAYS, WIRED, Rows, by_plain_driver
 
 _known: dict[Any, Rows] = {}
 
 
 def pairs(cases: Iterable[Case]) -> Iterator[Any]:
-    """Each case with each way; those of `not_yet` are expected to fail."""
-    for case in cases:
-        for way in WAYS:
-            why = reason(way, case.needs)
-            marks = [pytest.mark.xfail(reason=why, strict=True)] if why else []
-            yield pytest.param(case, way, marks=marks, id=f"{case.name}-{way}")
+    """Each case with each way."""
+    for case, way in product(cases, WAYS):
+        yield pytest.param(case, way, id=f"{case.name}-{way}")
 
 
 def differences(case: Case, way: str) -> list[str]:
     """What differs, a line for each variable with its first row that does."""
-    rows, wanted = WAYS[way](case), _expected(case)
+    rows, wanted = WAYS[way](case), _expected(case, way in WIRED)
     assert rows.keys() == wanted.keys()
     found = []
     for name, values in rows.items():
@@ -36,11 +33,11 @@ def differences(case: Case, way: str) -> list[str]:
     return found
 
 
-def _expected(case: Case) -> Rows:
+def _expected(case: Case, wired: bool) -> Rows:
     """What the plain driver gives, for all ways once."""
-    key = case.path, case.name
+    key = case.path, case.name, wired and bool(case.triggers)
     if key not in _known:
-        _known[key] = by_plain_driver(case)
+        _known[key] = by_plain_driver(case, wired)
     return _known[key]
 
 

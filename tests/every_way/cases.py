@@ -21,14 +21,13 @@ STEP_NS = SECOND // 64
 
 @dataclass(frozen=True)
 class Case:
-    """`needs` are what a way must be able to do, for the table of what is still to come."""
+    """One FMU, what is done to it, and what is watched."""
 
     name: str
     model: Model
     version: int
     kind: str
     watched: tuple[str, ...]
-    needs: frozenset[str]
     inputs: dict[str, Steps] = field(default_factory=dict)
     start_values: dict[str, Any] = field(default_factory=dict)
     event_mode: bool | None = None
@@ -89,20 +88,12 @@ def _ways_of_running(version: int) -> list[tuple[str, bool | None]]:
 
 def _case(
     title: str, model: Model, version: int, kind: str, event_mode: bool | None = None, *,
-    without: tuple[str, ...] = (), only: tuple[str, ...] = (), needs: tuple[str, ...] = (),
-    **more: Any,
+    without: tuple[str, ...] = (), only: tuple[str, ...] = (), **more: Any,
 ) -> Case:  # fmt: skip
-    needed = {f"FMI {version}", kind, *needs}
-    if event_mode is not None:
-        needed.add("event mode")
     events = {None: "", True: "-events", False: "-no-events"}[event_mode]
     name = f"{title}-fmi{version}-{kind}{events}"
     watched = only or _watched(model, version, *without)
-    if any(v.aliases for v in model.variables):
-        needed.add("shared")
-    return Case(
-        name, model, version, kind, watched, frozenset(needed), event_mode=event_mode, **more
-    )
+    return Case(name, model, version, kind, watched, event_mode=event_mode, **more)
 
 
 def _half(value: Any, last: Any) -> Steps:
@@ -142,32 +133,30 @@ def _all() -> list[Case]:
         counts = ("steps", "steps_too", "odd", *(("third",) if version == 3 else ()))
         found += [
             _case("counts", EVERY_TYPE, *row, only=counts),
-            _case("tolerance", EVERY_TYPE, *row, only=("tolerance",), needs=("tolerance",)),
+            _case("tolerance", EVERY_TYPE, *row, only=("tolerance",)),
             _case("numbers", EVERY_TYPE, *row, **_fed(NUMBERS, version)),
-            _case("texts", EVERY_TYPE, *row, needs=("texts", "text inputs"),
-                  **_fed(TEXTS, version)),
-            _case("labels", EVERY_TYPE, *row, only=("label", "label_too"), needs=("texts",)),
+            _case("texts", EVERY_TYPE, *row, **_fed(TEXTS, version)),
+            _case("labels", EVERY_TYPE, *row, only=("label", "label_too")),
         ]  # fmt: skip
     row = (3, "co-simulation")
     arrays, large = ("doubled", "table", "doubled_too"), ("large", "largest", "large_too")
     user = {"triggers": {"user": (SECOND // 4, SECOND)}}
     found += [
-        _case("large", EVERY_TYPE, *row, only=large, needs=("64 bits",)),
-        _case("long", EVERY_TYPE, *row, needs=("64 bits",), **_fed(LONG, 3)),
-        _case("bytes", EVERY_TYPE, *row, only=("bytes",), needs=("texts",)),
+        _case("large", EVERY_TYPE, *row, only=large),
+        _case("long", EVERY_TYPE, *row, **_fed(LONG, 3)),
+        _case("bytes", EVERY_TYPE, *row, only=("bytes",)),
         _case("arrays", EVERY_TYPE, *row, only=arrays),
-        _case("resized", EVERY_TYPE, *row, only=arrays, needs=("resized",),
+        _case("resized", EVERY_TYPE, *row, only=arrays,
               start_values={"n": 5, "w": [5.0, 4.0, 3.0, 2.0, 1.0]}),
         _case("partitions", PARTITIONS, 3, "scheduled-execution"),
     ]  # fmt: skip
     for kind, events in (("co-simulation", True), ("model-exchange", None)):
-        needs = ("clocks", "event clocks") if events else ("clocks",)
         found += [
-            _case("clocks", CLOCKS, 3, kind, events, needs=needs),
-            _case("triggered", CLOCKS, 3, kind, events, needs=(*needs, "triggers"), **user),
+            _case("clocks", CLOCKS, 3, kind, events),
+            _case("triggered", CLOCKS, 3, kind, events, **user),
         ]
     for kind in BALL.kinds:
-        found.append(_case("rising", BALL, 1, kind, only=("rising",), needs=("negated booleans",)))
+        found.append(_case("rising", BALL, 1, kind, only=("rising",)))
     return found
 
 

@@ -50,7 +50,7 @@ class Run(Events):
         self.row()
         for k in range(self.job.steps):
             ns, after = k * self.job.step_ns, (k + 1) * self.job.step_ns
-            if k and self.job.event_mode and self.changes(ns):
+            if k and self.begins(ns) and self.job.event_mode:
                 self.handle(ns / SECOND)
             elif k:
                 self.set_inputs(ns)
@@ -93,7 +93,7 @@ class Run(Events):
         self.row()
         for k in range(self.job.steps):
             ns = k * self.job.step_ns
-            if k and self.changes(ns):
+            if k and self.begins(ns):
                 self.handle(ns / SECOND)
             time, target = ns / SECOND, (k + 1) * self.job.step_ns / SECOND
             while time < target:

@@ -19,7 +19,9 @@ Steps = tuple[tuple[int, Any], ...]
 
 @dataclass(frozen=True)
 class Job:
-    """What is to be run; `watched` are names of variables, `triggers` times (ns) of clocks."""
+    """What is to be run; `watched` are names of variables, `triggers` times (ns) of clocks.
+
+    A clock is triggered before the row of its instant, or with the inputs behind it (`wired`)."""
 
     path: Path
     kind: str
@@ -30,6 +32,7 @@ class Job:
     start_values: dict[str, Any] = field(default_factory=dict)
     event_mode: bool = False
     triggers: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    wired: bool = False
 
 
 class Events:
@@ -41,6 +44,7 @@ class Events:
         self.pending: dict[str, int] = {}
         self.ticked: dict[str, int] = {}
         self.next_event = math.inf
+        self.begun = -1  # the communication point whose step has begun (ns)
         self.clocks = {n: v for n, v in fmu.variables.items()
                        if v.type == "Clock" and v.causality == "input"}  # fmt: skip
 
@@ -52,6 +56,11 @@ class Events:
         """The inputs that change at `ns`, with their values."""
         return {name: value for name, steps in self.job.inputs.items()
                 for time, value in steps if time == ns}  # fmt: skip
+
+    def begins(self, ns: int) -> bool:
+        """Whether the step that begins at `ns` begins with an event."""
+        self.begun = ns
+        return bool(self.changes(ns)) or (self.job.wired and bool(self.due(ns)))
 
     def set_inputs(self, ns: int) -> None:
         for name, value in self.changes(ns).items():
@@ -71,7 +80,9 @@ class Events:
                     period = int(a["intervalCounter"]) * SECOND // int(a["resolution"])
                 ticks = ns % period == 0
             else:
-                ticks = ns in self.job.triggers.get(name, ()) or self.pending.get(name) == ns
+                triggered = ns in self.job.triggers.get(name, ())
+                triggered = triggered and (not self.job.wired or self.begun == ns)
+                ticks = triggered or self.pending.get(name) == ns
             if ticks and self.ticked.get(name) != ns:
                 found.append(name)
         return sorted(found, key=lambda n: int(self.clocks[n].attributes.get("priority", 0)))

@@ -53,17 +53,11 @@ def _case(
 ) -> Case:  # fmt: skip
     stop, step = TIMES[path.stem]
     name = f"{path.stem}{title}-fmi{version}-{kind}{'-events' if events else ''}"
-    needs = {
-        f"FMI {version}",
-        kind,
-        *(["texts"] if title else []),
-        *(["event mode"] if events else []),
-    }
     clocks = path.stem == "Clocks"
     triggers = {"inClock2": tuple(t * SECOND for t in (0, 1, 8, 9))} if clocks else {}
     return Case(
         name, Model(path.stem, outputs, stop=stop), version, kind, tuple(watched),
-        frozenset(needs | ({"triggers"} if clocks else set())), event_mode=events,
+        event_mode=events,
         triggers=triggers, path=path, step_ns=round(step * SECOND),
         tolerance=1e-10 if kind == "model-exchange" else None, accuracy=1e-5,
     )  # fmt: skip

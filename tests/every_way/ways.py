@@ -98,8 +98,7 @@ def _run_bench(case: Case, in_process: bool) -> Rows:
     job = case.job()
     bench = _bench(case, job, ("fmu.*",))
     for name, steps in case.inputs.items():
-        texts = any(isinstance(value, (str, bytes)) for _, value in steps)
-        if texts or "64 bits" in case.needs:
+        if any(isinstance(v, str | bytes) or abs(v) > 2**53 for _, v in steps):
             bench.controller(f"source_{name}", _source(steps))
             bench.connect(f"source_{name}.u", f"fmu.{name}")
         else:
@@ -184,24 +183,26 @@ def by_doctor(case: Case) -> Rows:
         subject.step = job.step_ns / SECOND
         if case.tolerance is not None:
             subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
-        trial = subject.trial("fmu", case.start_values)
-        trial.inputs = read_inputs(fmu.description, _tracks(case), [])
+        tracks = _tracks(case)
+        triggers = {name: tracks.pop(name) for name in case.triggers}
+        trial = subject.trial("fmu", case.start_values, triggers)
+        trial.inputs = read_inputs(fmu.description, tracks, [])
+        rows: Rows = {name: [None] for name in job.watched}
         try:
             trial.begin()
-            rows = trial.advance(job.steps)
+            for k in range(job.steps):
+                trial.step(k * subject.step, (k + 1) * subject.step)
+                for name, values in rows.items():
+                    values.append(np.array(trial.instance.get(name)).ravel().tolist())
+                    if not case.shape(name):
+                        (values[-1],) = values[-1]
         finally:
             trial.participant.close()
-        found: Rows = {}
-        for name in job.watched:
-            size = next(v.size for v in subject.watched if v.name == name)
-            first = subject.labels.index(name)
-            values = rows[:, first : first + size].tolist()
-            found[name] = [None, *(row if case.shape(name) else row[0] for row in values)]
-    return found
+    return rows
 
 
-def by_plain_driver(case: Case) -> Rows:
-    return drive(case.job())
+def by_plain_driver(case: Case, wired: bool = False) -> Rows:
+    return drive(replace(case.job(), wired=wired))
 
 
 WAYS: dict[str, Callable[[Case], Rows]] = {
@@ -211,3 +212,6 @@ WAYS: dict[str, Callable[[Case], Rows]] = {
     "wires": by_wires,
     "doctor": by_doctor,
 }
+
+WIRED = frozenset({"bench", "worker", "wires"})
+"""The ways by which a clock is triggered by a wire: with the inputs, behind the row."""
