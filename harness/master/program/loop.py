@@ -60,13 +60,16 @@ def run_cycles(
                 o, resumed = clock[OPERATION], 0
             while o < end:
                 clock[OPERATION] = o
-                # one by one: a view of the row would cost atomic reference counting
-                code, a, b, c = program[o, 0], program[o, 1], program[o, 2], program[o, 3]
-                d, e, f = program[o, 4], program[o, 5], program[o, 6]
+                # one by one: a view of the row would cost atomic reference counting; unsigned: an
+                # index that may be negative is looked at each time
+                r = np.uint64(o)
+                code, a, b, c = program[r, 0], program[r, 1], program[r, 2], program[r, 3]
+                d, e, f = program[r, 4], program[r, 5], program[r, 6]
                 status = 0
                 if code == op.COPY:
-                    for i in range(a, b):
-                        v[copies[i, 1]] = scales[i, 0] * v[copies[i, 0]] + scales[i, 1]
+                    for i in range(np.uint64(a), np.uint64(b)):
+                        source, target = np.uint64(copies[i, 0]), np.uint64(copies[i, 1])
+                        v[target] = scales[i, 0] * v[source] + scales[i, 1]
                 elif code == op.SAMPLE:
                     v[b] = samples[cursors[a]]
                     cursors[a] += 1
@@ -77,7 +80,7 @@ def run_cycles(
                 elif code == op.STEP_FMI3:
                     if now + c <= stop:
                         h = c / ticks
-                        final = program[o, 7]
+                        final = program[r, 7]
                         status = call_status(a, (b, time, h, final, d, d + 1, d + 2, e))
                         if status <= _WARNING and exchange[f + 2] != 0:
                             return op.EARLY
@@ -95,8 +98,8 @@ def run_cycles(
                     if row >= rows.shape[0]:
                         clock[RESUMED] = instant + 1
                         return op.FULL
-                    for column in range(recorded.shape[0]):
-                        rows[row, column] = v[recorded[column]]
+                    for column in range(np.uint64(recorded.shape[0])):
+                        rows[np.uint64(row), column] = v[np.uint64(recorded[column])]
                     row_times[row] = time
                     clock[ROWS] = row + 1
                 elif code == op.ENCODE:
@@ -134,9 +137,9 @@ def run_cycles(
                     if now >= stop:
                         break
                 elif code == op.CALL_7:
-                    status = call_status(a, (b, c, d, e, f, program[o, 7], program[o, 8]))
+                    status = call_status(a, (b, c, d, e, f, program[r, 7], program[r, 8]))
                 else:
-                    more = (program[o, 7], program[o, 8], program[o, 9], program[o, 10])
+                    more = (program[r, 7], program[r, 8], program[r, 9], program[r, 10])
                     status = call_status(a, (b, c, d, e, f, *more))
                 if status > _WARNING or status < 0:
                     clock[RETURNED] = status
