@@ -136,7 +136,6 @@ class ScheduledExecution(DrivenParticipant):
         if self.hook.triggered:
             triggered, self.hook.triggered = self.hook.triggered, ()
             self._activate(triggered, start)
-            self._row(start)
         while (tick := self.clocks.next(self._last)) <= target:
             if self._full:
                 return FULL

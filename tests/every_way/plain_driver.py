@@ -77,15 +77,21 @@ class Run(Events):
         for ns in range(0, self.job.steps * self.job.step_ns + 1, self.job.step_ns):
             if ns:
                 self.set_inputs(ns)
-            while ticking := self.due(ns):  # the activation of one may start another
-                name = ticking[0]
-                self.tick([name], ns)
-                reference = c.c_uint32(self.clocks[name].reference)
-                before = self.fmu.updates
-                self.fmu.call("ActivateModelPartition", reference, c.c_double(ns / SECOND))
-                if self.fmu.updates > before:
-                    self.count_down(ns)
+            self._activate(ns)
             self.row()
+            if self.begins(ns):
+                self._activate(ns)
+
+    def _activate(self, ns: int) -> None:
+        """What ticks, one after the other: the activation of one may start another."""
+        while ticking := self.due(ns):
+            name = ticking[0]
+            self.tick([name], ns)
+            reference = c.c_uint32(self.clocks[name].reference)
+            before = self.fmu.updates
+            self.fmu.call("ActivateModelPartition", reference, c.c_double(ns / SECOND))
+            if self.fmu.updates > before:
+                self.count_down(ns)
 
     def model_exchange(self) -> None:
         self.initialise()
