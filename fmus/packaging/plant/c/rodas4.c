@@ -61,11 +61,12 @@ static bool all_finite(size_t n, const double *values, size_t *worst) {
 }
 
 /* Row of the entry of column k that is largest for its row's weight; false when there is none. */
-static bool find_pivot(size_t n, const double *lu, const double *weights, size_t k, size_t *pivot) {
+static bool find_pivot(size_t n, const double *column, const double *weights, size_t k,
+                       size_t *pivot) {
     double largest = 0.0;
     *pivot = k;
     for (size_t i = k; i < n; i++) {
-        const double size = fabs(lu[i * n + k]) * weights[i];
+        const double size = fabs(column[i]) * weights[i];
         if (size > largest) {
             largest = size;
             *pivot = i;
@@ -80,34 +81,46 @@ static void swap(double *a, double *b) {
     *b = c;
 }
 
-/* LU factors of I/(h GAMMA) - J in place, rows weighed by 1/scale when a pivot is chosen (the
- * rows carry the units of their states). False when the matrix is singular or not finite. */
+/* a -= factor * b from entry `first` on; entries do not wait for one another. */
+static void subtract(size_t first, size_t n, double *restrict a, double factor,
+                     const double *restrict b) {
+    for (size_t i = first; i < n; i++) {
+        a[i] -= factor * b[i];
+    }
+}
+
+/* LU factors of I/(h GAMMA) - J, column by column, with the inverses of the pivots in their places;
+ * rows weighed by 1/scale when a pivot is chosen (they carry the units of their states). False when
+ * the matrix is singular or not finite. */
 static bool factorise(const Rodas4 *solver, const Work *w, double h) {
     const size_t n = solver->n;
     double *lu = w->factors;
     double *weights = w->right; /* free until the first stage */
-    for (size_t i = 0; i < n * n; i++) {
-        lu[i] = -w->jacobian[i];
-    }
     for (size_t i = 0; i < n; i++) {
+        for (size_t j = 0; j < n; j++) {
+            lu[j * n + i] = -w->jacobian[i * n + j];
+        }
         lu[i * n + i] += 1.0 / (h * GAMMA);
         weights[i] = 1.0 / solver->scale[i];
     }
     for (size_t k = 0; k < n; k++) {
-        if (!find_pivot(n, lu, weights, k, &solver->pivots[k])) {
+        double *column = lu + k * n;
+        if (!find_pivot(n, column, weights, k, &solver->pivots[k])) {
             return false;
         }
         if (solver->pivots[k] != k) {
             swap(&weights[k], &weights[solver->pivots[k]]);
             for (size_t j = 0; j < n; j++) {
-                swap(&lu[k * n + j], &lu[solver->pivots[k] * n + j]);
+                swap(&lu[j * n + k], &lu[j * n + solver->pivots[k]]);
             }
         }
+        column[k] = 1.0 / column[k];
         for (size_t i = k + 1; i < n; i++) {
-            const double factor = lu[i * n + k] / lu[k * n + k];
-            lu[i * n + k] = factor;
-            for (size_t j = k + 1; j < n; j++) {
-                lu[i * n + j] -= factor * lu[k * n + j];
+            column[i] *= column[k];
+        }
+        for (size_t j = k + 1; j < n; j++) {
+            if (lu[j * n + k] != 0.0) {
+                subtract(k + 1, n, lu + j * n, lu[j * n + k], column);
             }
         }
     }
@@ -115,22 +128,18 @@ static bool factorise(const Rodas4 *solver, const Work *w, double h) {
 }
 
 /* Solve with the factors; b becomes the solution. Rows were swapped whole, so the permutation
- * applies to b before the substitutions. */
+ * applies to b before the substitutions, which go by columns. */
 static void solve(const Rodas4 *solver, const double *lu, double *b) {
     const size_t n = solver->n;
     for (size_t k = 0; k < n; k++) {
         swap(&b[k], &b[solver->pivots[k]]);
     }
-    for (size_t i = 1; i < n; i++) {
-        for (size_t j = 0; j < i; j++) {
-            b[i] -= lu[i * n + j] * b[j];
-        }
+    for (size_t k = 0; k < n; k++) {
+        subtract(k + 1, n, b, b[k], lu + k * n);
     }
-    for (size_t i = n; i-- > 0;) {
-        for (size_t j = i + 1; j < n; j++) {
-            b[i] -= lu[i * n + j] * b[j];
-        }
-        b[i] /= lu[i * n + i];
+    for (size_t k = n; k-- > 0;) {
+        b[k] *= lu[k * n + k];
+        subtract(0, k, b, b[k], lu + k * n);
     }
 }
 

@@ -152,7 +152,8 @@ def _error_norm(problem: Problem, x: Vector, candidate: Vector, error: Vector) -
 def _factorise(
     problem: Problem, jacobian: Vector, h: float
 ) -> tuple[list[Vector], list[int]] | None:
-    """LU factors of I/(h GAMMA) - J, rows weighed by 1/scale; None when singular."""
+    """LU factors of I/(h GAMMA) - J with the inverses of the pivots, rows weighed by 1/scale; None
+    when singular."""
     n = len(problem.scale)
     lu = [[-value for value in jacobian[i * n : (i + 1) * n]] for i in range(n)]
     for i in range(n):
@@ -171,11 +172,12 @@ def _factorise(
         lu[k], lu[pivot] = lu[pivot], lu[k]
         weights[k], weights[pivot] = weights[pivot], weights[k]
         head = lu[k]
+        head[k] = 1.0 / head[k]
         for row in lu[k + 1 :]:
-            factor = row[k] / head[k]
-            row[k] = factor
+            row[k] *= head[k]
             for j in range(k + 1, n):
-                row[j] -= factor * head[j]
+                if head[j] != 0.0:
+                    row[j] -= head[j] * row[k]
     return lu, pivots
 
 
@@ -183,10 +185,10 @@ def _solve(lu: list[Vector], pivots: list[int], b: Vector) -> None:
     for k, pivot in enumerate(pivots):
         b[k], b[pivot] = b[pivot], b[k]
     n = len(b)
-    for i in range(1, n):
-        for j in range(i):
-            b[i] -= lu[i][j] * b[j]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            b[i] -= lu[i][j] * b[j]
-        b[i] /= lu[i][i]
+    for k in range(n):
+        for i in range(k + 1, n):
+            b[i] -= b[k] * lu[i][k]
+    for k in range(n - 1, -1, -1):
+        b[k] *= lu[k][k]
+        for i in range(k):
+            b[i] -= b[k] * lu[i][k]
