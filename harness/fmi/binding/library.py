@@ -66,6 +66,11 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     )
 
 
+def instantiating(kind: InterfaceType) -> str:
+    """The function of FMI 3 that makes an instance of this kind, without its prefix."""
+    return "Instantiate" + kind.title().replace("-", "")
+
+
 def mandatory_functions(fmi_major: int, kind: InterfaceType) -> tuple[str, ...]:
     """What every library of FMI 2 or 3 must have for any run; setters and getters are looked for
     when a variable of their type is used. FMI 1 prefixes its names, so none are known here."""
@@ -77,8 +82,7 @@ def mandatory_functions(fmi_major: int, kind: InterfaceType) -> tuple[str, ...]:
         SCHEDULED_EXECUTION: ("ActivateModelPartition",),
     }  # fmt: skip
     names = (
-        "Instantiate" + kind.title().replace("-", "") * (fmi_major == 3), *own,
-        "EnterInitializationMode",
+        instantiating(kind) if fmi_major == 3 else "Instantiate", *own, "EnterInitializationMode",
         "ExitInitializationMode", *steps[kind], "Terminate", "FreeInstance",
     )  # fmt: skip
     return tuple(f"fmi{fmi_major}{name}" for name in names)

@@ -5,7 +5,6 @@ Pure conversions; nothing of an FMU is called here.
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -33,8 +32,8 @@ def native_dtype(variable: Variable) -> Any:
     return NATIVE_TYPES.get(variable.type, np.object_)
 
 
-def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> Any:
-    """A C array of `count` elements; raises `FmuError` where `value` does not fit."""
+def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> list[Any]:
+    """`count` elements as C holds them; raises `FmuError` where `value` does not fit."""
     items = flat(value)
     if len(items) != count:
         raise FmuError(
@@ -43,10 +42,10 @@ def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: s
         )
     try:
         made = [_to_c(variable, item) for item in items]
-        data = (ctype * count)(*made)
-        if variable.type in INTEGER_TYPES and list(data) != made:  # C integers wrap silently
+        held = list((ctype * count)(*made))
+        if variable.type in INTEGER_TYPES and held != made:  # C integers wrap silently
             raise ValueError(value)
-        return data
+        return held
     except (TypeError, ValueError, KeyError, OverflowError) as fault:
         raise FmuError(
             f"component {component}: variable {variable.name!r} of type {variable.type} cannot be "
@@ -85,37 +84,14 @@ def _to_c(variable: Variable, value: Any) -> Any:
     raise TypeError(variable.type)
 
 
-def from_c(variable: Variable, data: Any, shape: tuple[int, ...]) -> Any:
-    """The Python value of a C array: one item, or for an array an ndarray of `shape`."""
-    items = [_from_c(variable, item) for item in data]
+def from_c(variable: Variable, items: list[Any], shape: tuple[int, ...]) -> Any:
+    """The Python value of what C has: one item, or for an array an ndarray of `shape`."""
+    if variable.type in ("Boolean", "Clock"):
+        items = list(map(bool, items))
     if not shape:
         return items[0]
     dtype = np.object_ if variable.type in ("String", "Binary") else None
     return np.array(items, dtype=dtype).reshape(shape)
-
-
-def _from_c(variable: Variable, item: Any) -> Any:
-    if variable.type in ("Boolean", "Clock"):
-        return bool(item) if not isinstance(item, bytes) else item != b"\0"
-    if variable.type == "String":
-        return (item or b"").decode("utf-8", "replace")
-    return item
-
-
-def binary_pointers(data: Sequence[bytes]) -> tuple[Any, Any, Any]:
-    """Sizes, pointers and what keeps them alive, for setting binaries."""
-    buffers = [ctypes.create_string_buffer(one, max(1, len(one))) for one in data]
-    sizes = (ctypes.c_size_t * len(data))(*map(len, data))
-    pointers = (ctypes.c_void_p * len(data))(*map(ctypes.addressof, buffers))
-    return sizes, pointers, buffers
-
-
-def binaries(sizes: Any, pointers: Any) -> list[bytes]:
-    """The bytes behind the pointers that an FMU gave; copied at once, since they are its own."""
-    return [
-        ctypes.string_at(pointer, size) if pointer and size else b""
-        for size, pointer in zip(sizes, pointers, strict=True)
-    ]
 
 
 def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
