@@ -10,18 +10,17 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.fmi.archive.temporary import make_folder
+from harness.fmi.archive.temporary import temporary_folder
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, failed, passed
 from harness.inspection.snapshots import left_behind
@@ -60,16 +59,15 @@ class Examination:
         """What a fresh process makes of what the first one has left."""
         digest = next((f.data["digest"] for f in before if "digest" in f.data), None)
         names = [REPEATS_ELSEWHERE] * (digest is not None)
-        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type)
+        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type).exists()
         for finding in self.findings(names):
             compare = finding.check == REPEATS_ELSEWHERE
             yield _compared(digest, finding) if compare else finding
 
     def one_process(self, names: list[str]) -> Iterator[Finding]:
         """Findings until the process has ended, by itself or not."""
-        most = Limits().memory_bytes
-        with closing(Folder()) as folder:
-            out, words = folder.path / "findings", folder.path / "words"
+        with temporary_folder() as folder:
+            out, words = folder / "findings", folder / "words"
             out.touch()
             process = self._start(out, words, names)
             running, left, since, position = "", list(names), time.monotonic(), 0
@@ -87,13 +85,9 @@ class Examination:
                             yield Finding.from_data(line)
                     if ended:
                         break
-                    if time.monotonic() - since > self.deadline:
-                        detail = f"no end within {self.deadline:g} s"
-                        yield replace(failed(detail), check=running or _END)
-                        return
-                    if most is not None and memory_of(process.pid) > most:
-                        told = f"held more than {show_memory(most)} of memory"
-                        yield replace(failed(told), check=running or _END)
+                    excess = self._excess(process, time.monotonic() - since)
+                    if excess:
+                        yield replace(failed(excess), check=running or _END)
                         return
                     time.sleep(_POLL)
             finally:
@@ -101,6 +95,14 @@ class Examination:
             if process.returncode or left:
                 detail = _death(process.returncode, words.read_text("utf-8", "replace"))
                 yield replace(failed(detail), check=running or (left or [_END])[0])
+
+    def _excess(self, process: subprocess.Popen[bytes], seconds: float) -> str:
+        """What the process has used too much of, as a phrase, or ""."""
+        if seconds > self.deadline:
+            return f"no end within {self.deadline:g} s"
+        most = Limits().memory_bytes
+        over = most is not None and memory_of(process.pid) > most
+        return f"held more than {show_memory(most)} of memory" if most and over else ""
 
     def _tell(self, name: str) -> None:
         every = list(CHECKS[self.interface_type] | ELSEWHERE)
@@ -127,17 +129,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
     process.kill()
     process.wait()
-
-
-class Folder:
-    """A temporary folder that also the next start removes, should this process be killed."""
-
-    def __init__(self) -> None:
-        self.path = make_folder()
-
-    def close(self) -> None:
-        """Remove it."""
-        shutil.rmtree(self.path, ignore_errors=True)
 
 
 def _new_lines(out: Path, position: int) -> tuple[list[dict[str, Any]], int]:

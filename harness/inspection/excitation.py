@@ -82,14 +82,9 @@ def starts_of(v: Variable) -> list[float]:
     return given * v.size if len(given) == 1 else given
 
 
-def start_of(v: Variable) -> float:
-    """The start value of a scalar, or of an array's first element."""
-    return float(starts_of(v)[0])
-
-
 def scale_of(v: Variable) -> float:
     """A size that is no trifle and no extreme for a real variable."""
-    return abs(v.nominal or 0.0) or abs(start_of(v)) or 1.0
+    return abs(v.nominal or 0.0) or abs(starts_of(v)[0]) or 1.0
 
 
 def within(v: Variable, value: float) -> float:

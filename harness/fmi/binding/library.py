@@ -21,6 +21,10 @@ from harness.fmi.binding.interface import (
 from harness.fmi.binding.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
+SUFFIXES = frozenset(_SUFFIX.values())
+"""Of shared libraries, on all platforms."""
+
+
 _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _FMI2_FOLDER = {"linux": "linux64", "win32": "win64", "darwin": "darwin64"}
 _MACHINES = {"amd64": "x86_64", "x86-64": "x86_64", "arm64": "aarch64"}
@@ -53,7 +57,7 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
         path = binaries / name / (model_identifier + suffix)
         if path.is_file():
             return path
-    there = sorted(p for p in binaries.glob("*/*") if p.suffix in _SUFFIX.values())
+    there = sorted(p for p in binaries.glob("*/*") if p.suffix in SUFFIXES)
     here = [p.name for p in there if p.parent.name in names]
     if here:
         found = f"{', '.join(here)} instead"
