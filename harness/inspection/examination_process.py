@@ -9,6 +9,7 @@ lives.
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -65,14 +66,18 @@ class Examination:
             yield _compared(digest, finding) if compare else finding
 
     def one_process(self, names: list[str]) -> Iterator[Finding]:
-        """Findings until the process has ended, by itself or not."""
+        """Findings until the process has ended, by itself or not.
+
+        The deadline is that of the FMU, no code of which runs before the first check begins.
+        """
         with temporary_folder() as folder:
             out, words = folder / "findings", folder / "words"
             out.touch()
             process = self._start(out, words, names)
-            running, left, since, position = "", list(names), time.monotonic(), 0
+            running, left, since, position = "", list(names), math.inf, 0
+            detail, ended = "", False
             try:
-                while True:
+                while not (detail or ended):
                     ended = process.poll() is not None
                     lines, position = _new_lines(out, position)
                     for line in lines:
@@ -83,25 +88,22 @@ class Examination:
                         else:
                             running, left = "", left[1:]
                             yield Finding.from_data(line)
-                    if ended:
-                        break
-                    excess = self._excess(process, time.monotonic() - since)
-                    if excess:
-                        yield replace(failed(excess), check=running or _END)
-                        return
-                    time.sleep(_POLL)
+                    if not ended:
+                        detail = self._excess(process.pid, time.monotonic() - since)
+                        time.sleep(_POLL)
             finally:
                 _end(process)
-            if process.returncode or left:
+            if ended and (process.returncode or left):
                 detail = _death(process.returncode, words.read_text("utf-8", "replace"))
+            if detail:
                 yield replace(failed(detail), check=running or (left or [_END])[0])
 
-    def _excess(self, process: subprocess.Popen[bytes], seconds: float) -> str:
+    def _excess(self, pid: int, seconds: float) -> str:
         """What the process has used too much of, as a phrase, or ""."""
         if seconds > self.deadline:
             return f"no end within {self.deadline:g} s"
         most = Limits().memory_bytes
-        over = most is not None and memory_of(process.pid) > most
+        over = most is not None and memory_of(pid) > most
         return f"held more than {show_memory(most)} of memory" if most and over else ""
 
     def _tell(self, name: str) -> None:
