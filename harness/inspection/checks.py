@@ -113,16 +113,12 @@ def interpolates_inputs(subject: Subject) -> Finding:
     offered = subject.capabilities.can_interpolate_inputs and major == 2
     require(offered, f"{flag} is false" if major < 3 else "not FMI 2")
     require(subject.real_inputs, "no real inputs")
-    references = [v.value_reference for v in subject.real_inputs]
-    n = len(references)
-    arrays = (ctypes.c_uint32 * n)(*references), (ctypes.c_int * n)(*n * [1])
-    first, orders = (ctypes.cast(one, ctypes.c_void_p) for one in arrays)
-    slopes = (ctypes.c_double * n)()
+    n = len(subject.real_inputs)
+    references = (ctypes.c_uint32 * n)(*(v.value_reference for v in subject.real_inputs))
+    arrays = references, (ctypes.c_int * n)(*n * [1]), (ctypes.c_double * n)()
+    first, orders, slopes = (ctypes.pointer(one) for one in arrays)
     with running(subject) as trial, claimed(flag):
-        trial.instance.call(
-            "SetRealInputDerivatives", first, ctypes.c_size_t(n), orders,
-            ctypes.cast(slopes, ctypes.c_void_p),
-        )  # fmt: skip
+        trial.instance.call("SetRealInputDerivatives", first, ctypes.c_size_t(n), orders, slopes)
         trial.advance(1)
     return passed(f"of {n} inputs")
 

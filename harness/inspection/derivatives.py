@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -55,21 +56,19 @@ def feeds_through_as_declared(subject: Subject) -> Finding:
 
 
 def _jumps(subject: Subject, instance: FmuInstance) -> set[tuple[str, str]]:
+    def outputs() -> list[Any]:
+        return [instance.get(v.name) for v in subject.real_outputs]
+
     found = set()
     for variable in subject.real_inputs:
-        before = [instance.get(v.name) for v in subject.real_outputs]
-        value = float(instance.get(variable.name))
-        other = within(variable, value + 0.1 * scale_of(variable))
-        if other == value:
-            other = within(variable, value - 0.1 * scale_of(variable))
-        instance.set({variable.name: other})
-        after = [instance.get(v.name) for v in subject.real_outputs]
+        before, value = outputs(), float(instance.get(variable.name))
+        step = 0.1 * scale_of(variable)
+        moved = (within(variable, value + step), within(variable, value - step))
+        instance.set({variable.name: next((one for one in moved if one != value), value)})
+        after = outputs()
         instance.set({variable.name: value})
-        found |= {
-            (output.name, variable.name)
-            for output, a, b in zip(subject.real_outputs, before, after, strict=True)
-            if a != b
-        }
+        pairs = zip(subject.real_outputs, before, after, strict=True)
+        found |= {(output.name, variable.name) for output, a, b in pairs if a != b}
     return found
 
 

@@ -29,12 +29,10 @@ _CHOICES = 5  # legal values of an integer that are tried
 
 def moving_inputs(d: ModelDescription, start: float, step: float) -> Inputs:
     """The inputs of `d` as functions of time (s), constant within each step of size `step`."""
-    tracks = []
-    for index, variable in enumerate(d.inputs):
-        values = _values(variable, index)
-        if values is not None:
-            tracks.append(Track(variable, function=_in_steps(values, start, step)))
-    return Inputs(tracks)
+    moving = ((v, _values(v, index)) for index, v in enumerate(d.inputs))
+    return Inputs(
+        [Track(v, function=_in_steps(f, start, step)) for v, f in moving if f is not None]
+    )
 
 
 def _in_steps(

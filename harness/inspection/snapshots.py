@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,15 +57,12 @@ def serialises(subject: Subject) -> Finding:
              state=state, memory=memory, rows=expected)  # fmt: skip
     if subject.capabilities.can_be_instantiated_only_once:
         return passed(f"{len(content)} bytes")
-    return _continues(subject, f"{len(content)} bytes, another instance goes on bit for bit")
+    another = f"{len(content)} bytes, another instance goes on bit for bit"
+    return replace(continues(subject), detail=another)
 
 
 def continues(subject: Subject) -> Finding:
     """What `serialises` has left, perhaps in another process, goes on bit for bit."""
-    return _continues(subject, "the serialised state goes on bit for bit")
-
-
-def _continues(subject: Subject, words: str) -> Finding:
     with np.load(left_behind(subject.scratch, subject.interface_type)) as left:
         state, memory, expected = left["state"].tobytes(), str(left["memory"]), left["rows"]
     with running(subject) as trial, claimed(_SERIAL):
@@ -72,7 +70,7 @@ def _continues(subject: Subject, words: str) -> Finding:
         trial.recall(json.loads(memory))
         found = trial.advance(subject.half, first=subject.half)
     require_same(subject, expected, found, _OTHERWISE, _SERIAL)
-    return passed(words)
+    return passed("the serialised state goes on bit for bit")
 
 
 def left_behind(scratch: Path, interface_type: str) -> Path:

@@ -69,8 +69,10 @@ class Fmi1Or2Instance(FmuInstance):
         arguments = (ctypes.c_double(time), ctypes.c_double(step), self.boolean(1))
         status = self._final(self.status("DoStep", *arguments))
         if status == DISCARD:
-            terminate = self.asks_for_the_end()
-            return StepOutcome(self._last_successful_time(time), False, terminate, True)
+            reached = self.step_status(
+                "GetRealStatus", _LAST_SUCCESSFUL_TIME, ctypes.c_double(time)
+            )
+            return StepOutcome(reached, False, self.asks_for_the_end(), True)
         self.check(status, "DoStep", f" at t = {time:.9g} s")
         return StepOutcome(time + step)
 
@@ -83,10 +85,14 @@ class Fmi1Or2Instance(FmuInstance):
             status = found.contents.value
         return status
 
-    def _last_successful_time(self, time: float) -> float:
-        last, kind = ctypes.pointer(ctypes.c_double(time)), ctypes.c_int(_LAST_SUCCESSFUL_TIME)
-        known = self.offers("GetRealStatus") and self.status("GetRealStatus", kind, last) in (0, 1)
-        return last.contents.value if known else time
+    def step_status(self, name: str, kind: int, otherwise: Any) -> Any:
+        """What the FMU says of its last step, `otherwise` (of ctypes) where it does not know."""
+        place = ctypes.pointer(otherwise)
+        with suppress(FmuError):
+            if self.offers(name):
+                self.call(name, ctypes.c_int(kind), place)
+                return place.contents.value
+        return otherwise.value
 
     event_info: type[ctypes.Structure]
 
@@ -138,13 +144,7 @@ class Fmi2Instance(Fmi1Or2Instance):
 
     def asks_for_the_end(self) -> bool:
         """fmi2GetBooleanStatus(fmi2Terminated), after a step that was discarded."""
-        if not self.offers("GetBooleanStatus"):
-            return False
-        value = ctypes.pointer(ctypes.c_int())
-        with suppress(FmuError):  # it does not know, so the step was discarded for another reason
-            self.call("GetBooleanStatus", ctypes.c_int(_TERMINATED), value)
-            return value.contents.value != 0
-        return False
+        return bool(self.step_status("GetBooleanStatus", _TERMINATED, ctypes.c_int()))
 
     def update_discrete_states(self) -> DiscreteStates:
         """fmi2NewDiscreteStates."""

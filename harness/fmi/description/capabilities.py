@@ -42,8 +42,7 @@ def judge_name(document: Document, element: Any, attribute: str, *, of_file: boo
 def experiment(document: Document) -> dict[str, float | None]:
     """Start and stop time, step size and tolerance of <DefaultExperiment>, which may be None."""
     element = document.root.find("DefaultExperiment")
-    if element is None:
-        return dict.fromkeys(("start_time", "stop_time", "step_size", "tolerance"))
+    element = {} if element is None else element
     start = _judged(document, element, "startTime", -math.inf)
     return {
         "start_time": start,
