@@ -41,9 +41,8 @@ def _derivatives(d: ModelDescription) -> Iterator[Problem]:
     for one in d.unknowns:
         rate = one.kind == "ContinuousStateDerivative"
         if rate and d.variables[one.variable].derivative_of is None:
-            text = (
-                f"{one.variable} is listed as derivative (line {one.line}) and does not say of what"
-            )
+            listing = f"{one.variable} is listed as derivative (line {one.line})"
+            text = f"{listing} and does not say of what"
             yield error(PLACE, text, rule("derivatives", d.fmi_major))
 
 

@@ -29,6 +29,10 @@ _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _FMI2_FOLDER = {"linux": "linux64", "win32": "win64", "darwin": "darwin64"}
 _MACHINES = {"amd64": "x86_64", "x86-64": "x86_64", "arm64": "aarch64"}
 
+_STEPPING = {
+    CO_SIMULATION: ("DoStep",), MODEL_EXCHANGE: ("SetTime", "SetContinuousStates"),
+    SCHEDULED_EXECUTION: ("ActivateModelPartition",),
+}  # fmt: skip
 _REASONS = {
     r"^(\S+): cannot open shared object file": (
         "it needs the library {}, which is not installed here"
@@ -80,15 +84,9 @@ def mandatory_functions(fmi_major: int, kind: InterfaceType) -> tuple[str, ...]:
     when a variable of their type is used. FMI 1 prefixes its names, so none are known here."""
     if fmi_major == 1:
         return ()
-    own = ("SetupExperiment",) if fmi_major == 2 else ()
-    steps = {
-        CO_SIMULATION: ("DoStep",), MODEL_EXCHANGE: ("SetTime", "SetContinuousStates"),
-        SCHEDULED_EXECUTION: ("ActivateModelPartition",),
-    }  # fmt: skip
-    names = (
-        instantiating(kind) if fmi_major == 3 else "Instantiate", *own, "EnterInitializationMode",
-        "ExitInitializationMode", *steps[kind], "Terminate", "FreeInstance",
-    )  # fmt: skip
+    create = ("Instantiate", "SetupExperiment") if fmi_major == 2 else (instantiating(kind),)
+    initialise = ("EnterInitializationMode", "ExitInitializationMode")
+    names = (*create, *initialise, *_STEPPING[kind], "Terminate", "FreeInstance")
     return tuple(f"fmi{fmi_major}{name}" for name in names)
 
 
