@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import UnitError
-from harness.fmi.binding.values import flat, item_names, native_dtype, parse_item
+from harness.fmi.binding.values import element, flat, item_names, native_dtype
 from harness.fmi.description.model_description import (
     INTEGER_TYPES,
     REAL_TYPES,
@@ -68,19 +68,23 @@ def _item(v: Variable, item: Any) -> Any:
     """One element in the type of `v`, whatever its range; raises ValueError."""
     made = item.item() if isinstance(item, np.generic) else item
     try:
-        if v.type in ("Boolean", "Clock"):
-            return parse_item(v, str(made))
-        if isinstance(made, str):
-            return parse_item(v, made if v.type == "String" else made.strip())
-        if v.type == "Binary" and isinstance(made, (bytes, bytearray)):
-            return bytes(made)
-        if v.type in NUMBERS and isinstance(made, (int, float)) and type(made) is not bool:
-            return float(made) if v.type in REAL_TYPES else made
-        raise TypeError(v.type)
+        if not _is_legal(v, made):
+            raise TypeError(v.type)
+        if isinstance(made, float) and not math.isfinite(made):
+            raise OverflowError(made)
+        return element(v, made)
     except OverflowError:
         raise ValueError(f"must be finite, not {_shown(made)}") from None
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"must be {_expected(v)}, not {_shown(made)}") from None
+
+
+def _is_legal(v: Variable, made: Any) -> bool:
+    """Whether values of the type of `made`, or texts, are given for `v`."""
+    if isinstance(made, str) or v.type in ("Boolean", "Clock"):
+        return True
+    kinds = {"String": (), "Binary": (bytes, bytearray)}
+    return isinstance(made, kinds.get(v.type, (int, float))) and type(made) is not bool
 
 
 def _in_range(v: Variable, value: Any) -> Any:
@@ -94,12 +98,12 @@ def _in_range(v: Variable, value: Any) -> Any:
         if abs(value) > float(np.finfo(dtype).max):
             raise ValueError(f"must fit {v.type}, not {value!r}")
         return value
-    if value != int(value) or (v.details.items and value not in dict(v.details.items)):
+    if v.details.items and value not in dict(v.details.items):
         raise ValueError(f"must be {_expected(v)}, not {_shown(value)}")
     first, last = int(np.iinfo(dtype).min), int(np.iinfo(dtype).max)
     if not first <= value <= last:
         raise ValueError(f"must be between {first} and {last} ({v.type}), not {_shown(value)}")
-    return int(value)
+    return value
 
 
 def beyond_limits(v: Variable, value: Any) -> str:

@@ -24,7 +24,7 @@ import numpy as np
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import FmuInstance
-from harness.fmi.binding.values import Value, parse_item
+from harness.fmi.binding.values import Value, element
 from harness.fmi.description.model_description import NUMERIC_TYPES, ModelDescription, Variable
 from harness.fmi.given_values import beyond_limits, elements_meant, sizes_text
 
@@ -173,4 +173,4 @@ def _stated(array: Variable) -> list[Any]:
     """The elements that the model description states of an array of numbers, else none."""
     texts = str(array.start or "").split()
     stated = array.type in NUMERIC_TYPES and len(texts) == array.size
-    return [parse_item(array, text) for text in texts] if stated else []
+    return [element(array, text) for text in texts] if stated else []

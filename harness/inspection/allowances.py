@@ -26,30 +26,38 @@ class Allowance:
 
 @dataclass(frozen=True)
 class _Use:
-    """`needs` must have passed; `sound` must not have failed, though it may not apply."""
+    """`needs` must have passed; `sound` must not have failed, though it may not apply; it is
+    `refused` for a reason that no check is needed for."""
 
     name: str
     needs: tuple[str, ...]
     sound: tuple[str, ...] = ()
+    refused: str = ""
 
 
-_SIMULATION: dict[str, _Use] = {
+_ALONE: dict[str, _Use] = {
     CO_SIMULATION: _Use("simulate, co-simulation", (c.RUNS,)),
     MODEL_EXCHANGE: _Use(
         "simulate, model exchange", (c.RUNS,), (c.ROUND_TRIP, c.NOMINALS, c.INDICATORS)
     ),
 }
-_LOOP = (
-    _Use("jacobi and gauss-seidel", (c.RUNS,), (c.FEEDTHROUGH,)),
-    _Use("linear wires (extrapolation = 1)", (c.RUNS,), (c.FEEDTHROUGH, c.INTERPOLATES)),
-    _Use("iterative", (c.RUNS, c.RESTORES), (c.FEEDTHROUGH, c.INTERPOLATES)),
-    _Use("algebraic loops solved", (c.RUNS,), (c.FEEDTHROUGH,)),
-    _Use("delays within a step", (c.RUNS, c.OTHER_STEPS)),
-    _Use("several instances in one run", (c.RUNS, c.TWICE)),
-    _Use("studies in one process", (c.RUNS, c.TWICE, c.REPEATS, c.SURVIVES)),
-    _Use("resume", (c.RUNS, c.CONTINUES_ELSEWHERE)),
-    _Use("sensitivity", (c.RUNS, c.DERIVATIVES)),
-)
+
+
+def _in_loop(d: ModelDescription, kind: str) -> tuple[_Use, ...]:
+    exchange = kind == MODEL_EXCHANGE
+    unstored = "the solver cannot be stored" * exchange
+    stateless = "" if d.states else "the FMU names no continuous states"
+    return (
+        _Use("jacobi and gauss-seidel", (c.RUNS,), (c.FEEDTHROUGH,)),
+        _Use("linear wires (extrapolation = 1)", (c.RUNS,), (c.FEEDTHROUGH, c.INTERPOLATES)),
+        _Use("iterative", (c.RUNS, c.RESTORES), (c.FEEDTHROUGH, c.INTERPOLATES)),
+        _Use("algebraic loops solved", (c.RUNS,), (c.FEEDTHROUGH,)),
+        _Use("delays within a step", (c.RUNS,) if exchange else (c.RUNS, c.OTHER_STEPS)),
+        _Use("several instances in one run", (c.RUNS, c.TWICE)),
+        _Use("studies in one process", (c.RUNS, c.TWICE, c.REPEATS, c.SURVIVES)),
+        _Use("resume", (c.RUNS, c.CONTINUES_ELSEWHERE), refused=unstored),
+        _Use("sensitivity", (c.RUNS, c.DERIVATIVES), refused=stateless),
+    )
 
 
 def allowances(d: ModelDescription, findings: tuple[Finding, ...]) -> tuple[Allowance, ...]:
@@ -57,23 +65,15 @@ def allowances(d: ModelDescription, findings: tuple[Finding, ...]) -> tuple[Allo
     by_kind: dict[str, dict[str, Finding]] = {}
     for finding in findings:
         by_kind.setdefault(finding.interface_type, {})[finding.check] = finding
-    alone = [_judged(_SIMULATION[kind], found) for kind, found in by_kind.items()]
-    kind = next((k for k in (CO_SIMULATION, MODEL_EXCHANGE) if k in by_kind), None)
-    if kind is None:
-        return tuple(alone)
-    in_loop = [_judged(use, by_kind[kind]) for use in _LOOP]
-    if kind == MODEL_EXCHANGE:
-        places = {use.name: i for i, use in enumerate(_LOOP)}
-        in_loop[places["resume"]] = Allowance("resume", False, "the solver cannot be stored")
-        runs = _judged(_Use("delays within a step", (c.RUNS,)), by_kind[kind])
-        in_loop[places["delays within a step"]] = runs
-    if not d.states:
-        without = Allowance("sensitivity", False, "the FMU names no continuous states")
-        in_loop[-1] = without
-    return (*alone, *in_loop)
+    alone = [_judged(_ALONE[kind], found) for kind, found in by_kind.items()]
+    kind = next((k for k in (CO_SIMULATION, MODEL_EXCHANGE) if k in by_kind), "")
+    in_loop = _in_loop(d, kind) if kind else ()
+    return (*alone, *(_judged(use, by_kind[kind]) for use in in_loop))
 
 
 def _judged(use: _Use, found: Mapping[str, Finding]) -> Allowance:
+    if use.refused:
+        return Allowance(use.name, False, use.refused)
     for name in (*use.needs, *use.sound):
         finding = found.get(name)
         first = found.get(c.SERIALISES)

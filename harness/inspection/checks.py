@@ -15,9 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from harness.errors import HarnessError
-from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.finite import names, not_finite
+from harness.inspection.finding import Finding, claimed, failed, passed, require
+from harness.inspection.rows import require_finite, require_same
 from harness.inspection.subject import Subject
+from harness.inspection.trial import running
+from harness.process.fork import memory_of
 from harness.results.comparison import first_difference
 
 CYCLES = 200
@@ -29,14 +31,12 @@ _LEAK = 2048  # bytes a cycle that count as a leak; less drowns in the allocator
 
 def runs(subject: Subject) -> Finding:
     """Instantiates, initialises, steps, terminates."""
-    with subject.running() as trial:
+    with running(subject) as trial:
         first = trial.watch()
         rows = trial.advance()
         if not trial.ended:
             trial.instance.terminate()
-    bad = not_finite(subject, first, rows)
-    if bad.any():
-        return failed(f"values are not finite: {names(subject, bad)}")
+    require_finite(subject, first, rows)
     if len(rows) < subject.steps:
         return passed(f"ends itself after {len(rows)} steps of {subject.step:g} s")
     return passed(f"{subject.steps} steps of {subject.step:g} s")
@@ -44,14 +44,14 @@ def runs(subject: Subject) -> Finding:
 
 def instantiates_twice(subject: Subject) -> Finding:
     """Two instances at once, stepped in turn, do not disturb each other."""
-    if subject.capabilities.can_be_instantiated_only_once:
-        return not_offered("canBeInstantiatedOnlyOncePerProcess is true")
+    once = subject.capabilities.can_be_instantiated_only_once
+    require(not once, "canBeInstantiatedOnlyOncePerProcess is true")
     lie, half = "canBeInstantiatedOnlyOncePerProcess is false", subject.half
     alone = []
     for _ in range(2):
-        with subject.running("alone") as trial:
+        with running(subject, "alone") as trial:
             alone.append(np.concatenate([trial.advance(half), trial.advance(half, half)]))
-    with subject.running("first") as first, subject.running("second") as second:
+    with running(subject, "first") as first, running(subject, "second") as second:
         before = second.watch()
         parts = [(first.advance(half), second.watch(), second.advance(half))]
         if first_difference(subject.labels, before[None], parts[0][1][None]):
@@ -61,84 +61,65 @@ def instantiates_twice(subject: Subject) -> Finding:
         return failed("cannot be judged, since one instance alone does not repeat its run")
     for word, index in (("first", 0), ("second", 2)):
         found = np.concatenate([part[index] for part in parts])
-        what = first_difference(subject.labels, alone[0], found)
-        if what:
-            return failed(f"the {word} of two is disturbed: {what}", lie)
+        require_same(subject, alone[0], found, f"the {word} of two is disturbed", lie)
     return passed("both run as one alone does")
 
 
 def repeats(subject: Subject) -> Finding:
     """Two runs, one after the other, agree bit for bit; their hash is for another process."""
-    found = []
+    runs = []
     for _ in range(2):
-        with subject.running() as trial:
-            found.append(trial.advance())
-    digest = hashlib.sha256(found[0].tobytes()).hexdigest()
-    what = first_difference(subject.labels, *found)
-    if what:
-        return failed(f"two runs differ: {what}", digest=digest)
+        with running(subject) as trial:
+            runs.append(trial.advance())
+    first, second = runs
+    digest = hashlib.sha256(first.tobytes()).hexdigest()
+    require_same(subject, first, second, "two runs differ", digest=digest)
     return passed("bit for bit", digest=digest)
 
 
 def resets(subject: Subject) -> Finding:
     """After a reset the instance is a fresh one."""
-    if subject.exchanges and subject.description.fmi_major == 1:
-        return not_offered("FMI 1 has no reset in model exchange")
-    with subject.running() as trial:
+    resettable = not subject.exchanges or subject.description.fmi_major > 1
+    require(resettable, "FMI 1 has no reset in model exchange")
+    with running(subject) as trial:
         expected = trial.advance()
-        try:
-            trial.instance.reset()
-        except HarnessError as fault:
-            return failed(str(fault))
+        trial.instance.reset()
         trial.begin()
         found = trial.advance()
-    what = first_difference(subject.labels, expected, found)
-    if what:
-        return failed(f"something of the old run remains: {what}")
+    require_same(subject, expected, found, "something of the old run remains")
     return passed("to a fresh state, bit for bit")
 
 
 def takes_other_steps(subject: Subject) -> Finding:
     """Steps of half and double size."""
     flag = "canHandleVariableCommunicationStepSize"
-    if not subject.capabilities.can_handle_variable_step:
-        return not_offered(f"{flag} is false")
+    require(subject.capabilities.can_handle_variable_step, f"{flag} is false")
     sizes = {"half": (0.5, 2 * subject.steps), "double": (2.0, subject.half)}
     for word, (factor, steps) in sizes.items():
-        with subject.running() as trial:
+        with running(subject) as trial:
             first = trial.watch()
             try:
                 rows = trial.advance(steps, factor=factor)
             except HarnessError as fault:
                 return failed(f"{word}: {fault}", flag)
-        bad = not_finite(subject, first, rows)
-        if bad.any():
-            return failed(f"{word}: values are not finite: {names(subject, bad)}", flag)
+        require_finite(subject, first, rows, f"{word}: ", flag)
     return passed(" and ".join(sizes))
 
 
 def interpolates_inputs(subject: Subject) -> Finding:
     """Takes the derivatives of its inputs, which linear wires give to those who ask for them."""
     flag = "canInterpolateInputs"
-    offered = subject.capabilities.can_interpolate_inputs and subject.description.fmi_major == 2
-    if not offered:
-        return not_offered(f"{flag} is false" if subject.description.fmi_major < 3 else "not FMI 2")
-    if not subject.real_inputs:
-        return not_offered("no real inputs")
-    references = [v.value_reference for v in subject.real_inputs]
-    n = len(references)
-    arrays = (ctypes.c_uint32 * n)(*references), (ctypes.c_int * n)(*n * [1])
-    first, orders = (ctypes.cast(one, ctypes.c_void_p) for one in arrays)
-    slopes = (ctypes.c_double * n)()
-    with subject.running() as trial:
-        try:
-            trial.instance.call(
-                "SetRealInputDerivatives", first, ctypes.c_size_t(n), orders,
-                ctypes.cast(slopes, ctypes.c_void_p),
-            )  # fmt: skip
-            trial.advance(1)
-        except HarnessError as fault:
-            return failed(str(fault), flag)
+    major = subject.description.fmi_major
+    offered = subject.capabilities.can_interpolate_inputs and major == 2
+    require(offered, f"{flag} is false" if major < 3 else "not FMI 2")
+    require(subject.real_inputs, "no real inputs")
+    n = len(subject.real_inputs)
+    references = (ctypes.c_uint32 * n)(*(v.value_reference for v in subject.real_inputs))
+    arrays = references, (ctypes.c_int * n)(*n * [1]), (ctypes.c_double * n)()
+    first, orders, slopes = (ctypes.pointer(one) for one in arrays)
+    with running(subject) as trial, claimed(flag):
+        trial.instance.call("SetRealInputDerivatives", first, ctypes.c_size_t(n), orders, slopes)
+        trial.advance(1)
     return passed(f"of {n} inputs")
 
 
@@ -147,36 +128,27 @@ def frees(subject: Subject) -> Finding:
 
     def cycle(count: int) -> None:
         for _ in range(count):
-            with subject.running() as trial:
+            with running(subject) as trial:
                 trial.advance(1)
                 if not trial.ended:
                     trial.instance.terminate()
         gc.collect()
 
     cycle(_WARM_UP)
-    memory, files = _memory(), _files()
+    memory, files = memory_of(os.getpid()), _files()
     middle = (CYCLES - _WARM_UP) // 2
     cycle(middle)
-    between = _memory()
+    between = memory_of(os.getpid())
     cycle(CYCLES - _WARM_UP - middle)
-    growth = (_memory() - memory) / (CYCLES - _WARM_UP)
+    growth = (memory_of(os.getpid()) - memory) / (CYCLES - _WARM_UP)
     opened = _files() - files
-    steady = between > memory and _memory() > between
+    steady = between > memory and memory_of(os.getpid()) > between
     figures = {"bytes_per_cycle": growth, "descriptors": opened}
     if opened > 0:
         return failed(f"{opened} files stay open", **figures)
     if steady and growth > _LEAK:
         return failed(f"leaks about {growth / 1024:.0f} KiB an instance", **figures)
     return passed(f"growth {max(0.0, growth) / 1024:.1f} KiB an instance", **figures)
-
-
-def _memory() -> int:
-    """Resident memory of this process (bytes), 0 where the system does not tell."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    except (OSError, ValueError):
-        return 0
-    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 def _files() -> int:

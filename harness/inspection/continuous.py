@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from harness.errors import HarnessError
-from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.subject import Array, Subject
+from harness.inspection.finding import Finding, claimed, failed, passed, require
+from harness.inspection.subject import Subject
+from harness.inspection.trial import running
 
 _SHIFT = 1e-3  # of a state's nominal value
 
@@ -14,53 +15,50 @@ _SHIFT = 1e-3  # of a state's nominal value
 def returns_states(subject: Subject) -> Finding:
     """States that were set are read back to the last bit, at the start and later."""
     flag = "set and get of the continuous states"
-    with subject.running() as trial:
+    with running(subject) as trial:
         part = trial.part
-        if not part.nx:
-            return not_offered("no continuous states")
+        require(part.nx, "no continuous states")
         for steps in (0, subject.half):
             trial.advance(steps)
             if trial.ended:
                 break
             x = part.states()
             for wanted in (x, x + _SHIFT * part.nominals(), x):
-                try:
+                with claimed(flag):
                     trial.instance.check(part.set_states(wanted.ctypes.data), "SetContinuousStates")
                     found = part.states()
-                except HarnessError as fault:
-                    return failed(str(fault), flag)
-                if wanted.tobytes() != found.tobytes():
-                    return failed(_first(subject, wanted, found), flag)
+                other = wanted.view(np.uint64) != found.view(np.uint64)
+                if other.any():
+                    i, name = _first(subject, other)
+                    said = f"{name} was set to {wanted[i]:.17g} and is {found[i]:.17g}"
+                    return failed(said, flag)
     return passed(f"{part.nx} states, bit for bit")
 
 
-def _first(subject: Subject, wanted: Array, found: Array) -> str:
-    i = int(np.argmax(wanted.view(np.uint64) != found.view(np.uint64)))
-    name = subject.labels[len(subject.labels) - 2 * len(wanted) + i]
-    return f"{name} was set to {wanted[i]:.17g} and is {found[i]:.17g}"
+def _first(subject: Subject, states: NDArray[np.bool_]) -> tuple[int, str]:
+    """The place of the first of the states that are marked, and its name."""
+    i = int(np.argmax(states))
+    return i, subject.labels[len(subject.labels) - 2 * len(states) + i]
 
 
 def has_positive_nominals(subject: Subject) -> Finding:
     """Nominal values scale the solver's tolerances, so they must be positive and finite."""
-    with subject.running() as trial:
+    with running(subject) as trial:
         part = trial.part
-        if not part.nx:
-            return not_offered("no continuous states")
+        require(part.nx, "no continuous states")
         nominal = part.stated_nominals()
     bad = ~(np.isfinite(nominal) & (nominal > 0.0))
     if bad.any():
-        i = int(np.argmax(bad))
-        name = subject.labels[len(subject.labels) - 2 * part.nx + i]
+        i, name = _first(subject, bad)
         return failed(f"that of {name} is {nominal[i]:g}", "nominals of the continuous states")
     return passed(f"from {nominal.min():g} to {nominal.max():g}")
 
 
 def has_finite_indicators(subject: Subject) -> Finding:
     """Event indicators are numbers all along the run."""
-    with subject.running() as trial:
+    with running(subject) as trial:
         part = trial.part
-        if not part.nz:
-            return not_offered("no event indicators")
+        require(part.nz, "no event indicators")
         for step in range(subject.steps):
             z = part.indicators()
             if not np.isfinite(z).all():

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from harness.errors import HarnessError
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import Variable
 from harness.inspection.excitation import scale_of, within
-from harness.inspection.finding import Finding, failed, not_offered, passed
-from harness.inspection.subject import Array, Subject, Trial
+from harness.inspection.finding import Finding, claimed, failed, passed, require
+from harness.inspection.problem import listed
+from harness.inspection.subject import Array, Subject
+from harness.inspection.trial import Trial, running
 
 _RELATIVE = 1e-4  # agreement of derivatives with finite differences
 _INCREMENTS = (1e-6, 1e-4, 1e-3)  # of a variable's scale
@@ -28,10 +30,9 @@ _INSTANTS = (0, 3, 5)  # steps before each look
 
 def feeds_through_as_declared(subject: Subject) -> Finding:
     """Outputs that jump with an input are those of the model structure."""
-    if not subject.real_inputs or not subject.real_outputs:
-        return not_offered("no real inputs or no real outputs")
+    require(subject.real_inputs and subject.real_outputs, "no real inputs or no real outputs")
     observed: set[tuple[str, str]] = set()
-    with subject.running() as trial:
+    with running(subject) as trial:
         before = 0
         for steps in _INSTANTS:
             trial.advance(steps, first=before)
@@ -47,29 +48,27 @@ def feeds_through_as_declared(subject: Subject) -> Finding:
         if (said := declared.get(output)) is not None and name not in said
     )
     if hidden:
-        shown = ", ".join(hidden[:5]) + (" …" if len(hidden) > 5 else "")
-        return failed(f"undeclared: {shown}", f"dependencies of {hidden[0].split(' on ')[0]}")
+        lie = f"dependencies of {hidden[0].split(' on ')[0]}"
+        return failed(f"undeclared: {listed(hidden)}", lie)
     silent = sorted(output for output, said in declared.items() if said is None)
     note = f"; no statement for {len(silent)} outputs" if silent else ""
     return passed(f"{len(observed)} observed{note}", observed=sorted(map(list, observed)))
 
 
 def _jumps(subject: Subject, instance: FmuInstance) -> set[tuple[str, str]]:
+    def outputs() -> list[Any]:
+        return [instance.get(v.name) for v in subject.real_outputs]
+
     found = set()
     for variable in subject.real_inputs:
-        before = [instance.get(v.name) for v in subject.real_outputs]
-        value = float(instance.get(variable.name))
-        other = within(variable, value + 0.1 * scale_of(variable))
-        if other == value:
-            other = within(variable, value - 0.1 * scale_of(variable))
-        instance.set({variable.name: other})
-        after = [instance.get(v.name) for v in subject.real_outputs]
+        before, value = outputs(), float(instance.get(variable.name))
+        step = 0.1 * scale_of(variable)
+        moved = (within(variable, value + step), within(variable, value - step))
+        instance.set({variable.name: next((one for one in moved if one != value), value)})
+        after = outputs()
         instance.set({variable.name: value})
-        found |= {
-            (output.name, variable.name)
-            for output, a, b in zip(subject.real_outputs, before, after, strict=True)
-            if a != b
-        }
+        pairs = zip(subject.real_outputs, before, after, strict=True)
+        found |= {(output.name, variable.name) for output, a, b in pairs if a != b}
     return found
 
 
@@ -93,23 +92,19 @@ class _Worst:
 
 def differentiates(subject: Subject) -> Finding:
     """Directional derivatives of outputs and state derivatives agree with central differences."""
-    if not subject.capabilities.provides_directional_derivatives:
-        return not_offered(f"{_FLAG} is false")
+    require(subject.capabilities.provides_directional_derivatives, f"{_FLAG} is false")
     unknowns = [*(rate for _, rate in subject.states), *subject.real_outputs]
-    with subject.running() as trial:
+    with running(subject) as trial:
         trial.advance(_INSTANTS[1])
-        if trial.ended:
-            return not_offered("the FMU ends the simulation at once")
+        require(not trial.ended, "the FMU ends the simulation at once")
         knowns = [*_inputs(subject, trial), *_states(subject, trial)]
-        if not unknowns or not knowns:
-            return not_offered("nothing to differentiate: no scalar outputs, inputs or states")
+        nothing = "nothing to differentiate: no scalar outputs, inputs or states"
+        require(unknowns and knowns, nothing)
         worst = _Worst()
         for known in knowns:
-            try:
+            with claimed(_FLAG):
                 names = [v.name for v in unknowns]
                 exact = trial.instance.directional_derivative(names, known.variable.name)
-            except HarnessError as fault:
-                return failed(str(fault), _FLAG)
             if not np.isfinite(exact).all():
                 return failed(f"the derivatives by {known.variable.name} are not finite", _FLAG)
             found = _judged(subject, trial, unknowns, known, exact)

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE, capabilities
+from harness.fmi.archive.temporary import temporary_folder
+from harness.fmi.binding.interface import (
+    CO_SIMULATION,
+    MODEL_EXCHANGE,
+    SCHEDULED_EXECUTION,
+    capabilities,
+    offered,
+)
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.inspection.allowances import Allowance, allowances
 from harness.inspection.catalogue import CHECKS
-from harness.inspection.examination_process import Examination, Folder, Progress
+from harness.inspection.examination_process import Examination, Progress
 from harness.inspection.finding import Finding, Verdict
 from harness.participants.kinds import load_kernels
 
@@ -73,15 +79,14 @@ def examine(
     """
     with Fmu(path, validate=validate) as fmu:
         sha256, description = fmu.sha256, fmu.description
-    offered = {CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange}
-    kinds = [kind for kind, one in offered.items() if one is not None]
+    kinds = [kind for kind in offered(description) if kind != SCHEDULED_EXECUTION]
     if not kinds:
         capabilities(description, CO_SIMULATION)
     load_kernels(exchange=MODEL_EXCHANGE in kinds)  # the deadline is that of the FMU
     findings: list[Finding] = []
-    with closing(Folder()) as folder:
+    with temporary_folder() as folder:
         for kind in kinds:
-            examination = Examination(path, kind, folder.path, deadline, progress)
+            examination = Examination(path, kind, folder, deadline, progress)
             found = list(examination.findings(list(CHECKS[kind])))
             findings += [*found, *examination.elsewhere(found)]
     return Diagnosis(path, sha256, description, tuple(findings))

@@ -9,19 +9,19 @@ lives.
 from __future__ import annotations
 
 import json
+import math
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from harness.fmi.archive.temporary import make_folder
+from harness.fmi.archive.temporary import temporary_folder
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, failed, passed
 from harness.inspection.snapshots import left_behind
@@ -60,21 +60,24 @@ class Examination:
         """What a fresh process makes of what the first one has left."""
         digest = next((f.data["digest"] for f in before if "digest" in f.data), None)
         names = [REPEATS_ELSEWHERE] * (digest is not None)
-        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type)
+        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type).exists()
         for finding in self.findings(names):
             compare = finding.check == REPEATS_ELSEWHERE
             yield _compared(digest, finding) if compare else finding
 
     def one_process(self, names: list[str]) -> Iterator[Finding]:
-        """Findings until the process has ended, by itself or not."""
-        most = Limits().memory_bytes
-        with closing(Folder()) as folder:
-            out, words = folder.path / "findings", folder.path / "words"
+        """Findings until the process has ended, by itself or not.
+
+        The deadline is that of the FMU, no code of which runs before the first check begins.
+        """
+        with temporary_folder() as folder:
+            out, words = folder / "findings", folder / "words"
             out.touch()
             process = self._start(out, words, names)
-            running, left, since, position = "", list(names), time.monotonic(), 0
+            running, left, since, position = "", list(names), math.inf, 0
+            detail, ended = "", False
             try:
-                while True:
+                while not (detail or ended):
                     ended = process.poll() is not None
                     lines, position = _new_lines(out, position)
                     for line in lines:
@@ -85,22 +88,23 @@ class Examination:
                         else:
                             running, left = "", left[1:]
                             yield Finding.from_data(line)
-                    if ended:
-                        break
-                    if time.monotonic() - since > self.deadline:
-                        detail = f"no end within {self.deadline:g} s"
-                        yield replace(failed(detail), check=running or _END)
-                        return
-                    if most is not None and memory_of(process.pid) > most:
-                        told = f"held more than {show_memory(most)} of memory"
-                        yield replace(failed(told), check=running or _END)
-                        return
-                    time.sleep(_POLL)
+                    if not ended:
+                        detail = self._excess(process.pid, time.monotonic() - since)
+                        time.sleep(_POLL)
             finally:
                 _end(process)
-            if process.returncode or left:
+            if ended and (process.returncode or left):
                 detail = _death(process.returncode, words.read_text("utf-8", "replace"))
+            if detail:
                 yield replace(failed(detail), check=running or (left or [_END])[0])
+
+    def _excess(self, pid: int, seconds: float) -> str:
+        """What the process has used too much of, as a phrase, or ""."""
+        if seconds > self.deadline:
+            return f"no end within {self.deadline:g} s"
+        most = Limits().memory_bytes
+        over = most is not None and memory_of(pid) > most
+        return f"held more than {show_memory(most)} of memory" if most and over else ""
 
     def _tell(self, name: str) -> None:
         every = list(CHECKS[self.interface_type] | ELSEWHERE)
@@ -127,17 +131,6 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
     process.kill()
     process.wait()
-
-
-class Folder:
-    """A temporary folder that also the next start removes, should this process be killed."""
-
-    def __init__(self) -> None:
-        self.path = make_folder()
-
-    def close(self) -> None:
-        """Remove it."""
-        shutil.rmtree(self.path, ignore_errors=True)
 
 
 def _new_lines(out: Path, position: int) -> tuple[list[dict[str, Any]], int]:

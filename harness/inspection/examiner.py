@@ -17,7 +17,7 @@ from pathlib import Path
 from harness.errors import HarnessError
 from harness.fmi.fmu import Fmu
 from harness.inspection.catalogue import CHECKS, ELSEWHERE
-from harness.inspection.finding import failed
+from harness.inspection.finding import VerdictError, failed
 from harness.inspection.subject import Subject
 from harness.process.fork import die_with_parent
 from harness.system.policy import interface
@@ -32,6 +32,8 @@ def examine(path: Path, out: Path, scratch: Path, interface_type: str, names: li
             lines.write(json.dumps({"begins": name}) + "\n")
             try:
                 finding = known[name](subject)
+            except VerdictError as end:
+                finding = end.finding
             except HarnessError as fault:
                 finding = failed(str(fault))
             found = replace(finding, check=name, interface_type=interface_type)

@@ -29,12 +29,10 @@ _CHOICES = 5  # legal values of an integer that are tried
 
 def moving_inputs(d: ModelDescription, start: float, step: float) -> Inputs:
     """The inputs of `d` as functions of time (s), constant within each step of size `step`."""
-    tracks = []
-    for index, variable in enumerate(d.inputs):
-        values = _values(variable, index)
-        if values is not None:
-            tracks.append(Track(variable, function=_in_steps(values, start, step)))
-    return Inputs(tracks)
+    moving = ((v, _values(v, index)) for index, v in enumerate(d.inputs))
+    return Inputs(
+        [Track(v, function=_in_steps(f, start, step)) for v, f in moving if f is not None]
+    )
 
 
 def _in_steps(
@@ -82,14 +80,9 @@ def starts_of(v: Variable) -> list[float]:
     return given * v.size if len(given) == 1 else given
 
 
-def start_of(v: Variable) -> float:
-    """The start value of a scalar, or of an array's first element."""
-    return float(starts_of(v)[0])
-
-
 def scale_of(v: Variable) -> float:
     """A size that is no trifle and no extreme for a real variable."""
-    return abs(v.nominal or 0.0) or abs(start_of(v)) or 1.0
+    return abs(v.nominal or 0.0) or abs(starts_of(v)[0]) or 1.0
 
 
 def within(v: Variable, value: float) -> float:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from typing import Any
+
+from harness.errors import HarnessError
 
 
 class Verdict(StrEnum):
@@ -53,6 +57,25 @@ def failed(detail: str, *lies: str, **data: Any) -> Finding:
     return Finding("", Verdict.FAILED, detail, lies, data)
 
 
-def not_offered(detail: str) -> Finding:
-    """A finding of something that the FMU does not offer."""
-    return Finding("", Verdict.NOT_OFFERED, detail)
+class VerdictError(Exception):
+    """Ends a check early with its `finding`."""
+
+    def __init__(self, finding: Finding) -> None:
+        """Whoever runs the check catches it."""
+        super().__init__(finding.detail)
+        self.finding = finding
+
+
+def require(offered: object, otherwise: str) -> None:
+    """End the check unless the FMU offers what it needs; `otherwise` says what is lacking."""
+    if not offered:
+        raise VerdictError(Finding("", Verdict.NOT_OFFERED, otherwise))
+
+
+@contextmanager
+def claimed(statement: str) -> Iterator[None]:
+    """A `HarnessError` in here contradicts a statement of the model description."""
+    try:
+        yield
+    except HarnessError as fault:
+        raise VerdictError(failed(str(fault), statement)) from fault

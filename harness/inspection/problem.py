@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
+from functools import partial
 from typing import Any
 
 PLACE = "modelDescription.xml"
@@ -30,6 +31,11 @@ class Problem:
     def as_data(self) -> dict[str, Any]:
         """Plain values for JSON."""
         return asdict(self) | {"severity": str(self.severity)}
+
+
+error = partial(Problem, Severity.ERROR)
+warning = partial(Problem, Severity.WARNING)
+note = partial(Problem, Severity.NOTE)
 
 
 def listed(names: list[str]) -> str:

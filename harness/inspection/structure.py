@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from harness.fmi.description.model_description import ModelDescription, Unknown
 from harness.fmi.description.rules import rule
-from harness.inspection.problem import PLACE, Problem, Severity, listed
+from harness.inspection.problem import PLACE, Problem, error, listed, note, warning
 
 _QUOTED = r"'([\w !#$%&()*+,\-./:;<>=?@\[\]^{}|~\"]|\\['\"?\\abfnrtv])+'"
 _NAME = rf"([A-Za-z_]\w*|{_QUOTED})(\[\d+(,\d+)*\])?"
@@ -21,8 +21,7 @@ def structure_problems(d: ModelDescription) -> Iterator[Problem]:
         bad = [name for name in d.variables if not _STRUCTURED.fullmatch(name)]
         if bad:
             text = "no legal name of the naming convention 'structured'"
-            place = f"variables {listed(bad)}"
-            yield Problem(Severity.WARNING, place, text, rule("names", d.fmi_major))
+            yield warning(f"variables {listed(bad)}", text, rule("names", d.fmi_major))
     if d.fmi_major > 1:
         yield from _outputs(d)
         yield from _derivatives(d)
@@ -35,38 +34,32 @@ def _outputs(d: ModelDescription) -> Iterator[Problem]:
     found = [one.variable for one in d.unknowns if one.kind == "Output"]
     text = _difference("Outputs", found, expected)
     if text:
-        yield Problem(Severity.ERROR, PLACE, text, rule("outputs", d.fmi_major))
+        yield error(PLACE, text, rule("outputs", d.fmi_major))
 
 
 def _derivatives(d: ModelDescription) -> Iterator[Problem]:
     for one in d.unknowns:
         rate = one.kind == "ContinuousStateDerivative"
         if rate and d.variables[one.variable].derivative_of is None:
-            text = (
-                f"{one.variable} is listed as derivative (line {one.line}) and does not say of what"
-            )
-            yield Problem(Severity.ERROR, PLACE, text, rule("derivatives", d.fmi_major))
+            listing = f"{one.variable} is listed as derivative (line {one.line})"
+            text = f"{listing} and does not say of what"
+            yield error(PLACE, text, rule("derivatives", d.fmi_major))
 
 
 def _initial_unknowns(d: ModelDescription) -> Iterator[Problem]:
     """A clocked variable may be listed in FMI 3, and need not be."""
     states = {name for pair in d.states for name in pair}
     clocked = {v.name for v in d.variables.values() if v.type == "Clock" or v.details.clocks}
-    exposed = [
-        v
-        for v in d.variables.values()
-        if v.name not in clocked and (d.fmi_major == 2 or not v.details.alias_of)
-    ]
-    expected = [v.name for v in exposed if v.causality == "calculatedParameter"]
-    expected += [
-        v.name
-        for v in exposed
-        if v.initial in ("approx", "calculated") and (v.causality == "output" or v.name in states)
-    ]
-    found = [one.variable for one in d.unknowns if one.kind == "InitialUnknown"]
-    text = _difference("InitialUnknowns", [name for name in found if name not in clocked], expected)
+    expected = {
+        v.name for v in d.variables.values()
+        if v.causality == "calculatedParameter"
+        or (v.initial in ("approx", "calculated") and (v.causality == "output" or v.name in states))
+        if d.fmi_major == 2 or not v.details.alias_of
+    }  # fmt: skip
+    found = {one.variable for one in d.unknowns if one.kind == "InitialUnknown"}
+    text = _difference("InitialUnknowns", found - clocked, expected - clocked)
     if text:
-        yield Problem(Severity.NOTE, PLACE, text, rule("initial unknowns", d.fmi_major))
+        yield note(PLACE, text, rule("initial unknowns", d.fmi_major))
 
 
 def _difference(what: str, found: Iterable[str], expected: Iterable[str]) -> str:
@@ -82,7 +75,7 @@ def _kinds(d: ModelDescription) -> Iterator[Problem]:
     if bad:
         names = listed([f"{one.kind} {one.variable} (line {one.line})" for one in bad])
         text = f"dependenciesKind and dependencies do not match for {names}"
-        yield Problem(Severity.WARNING, PLACE, text, rule("dependencies kind", d.fmi_major))
+        yield warning(PLACE, text, rule("dependencies kind", d.fmi_major))
 
 
 def _mismatched(one: Unknown) -> bool:

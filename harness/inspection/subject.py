@@ -6,27 +6,18 @@ to judge.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from harness.fmi.binding.instance import MODEL_EXCHANGE, InterfaceType, capabilities
 from harness.fmi.description.model_description import NUMERIC_TYPES, REAL_TYPES, Variable
 from harness.fmi.fmu import Fmu
-from harness.inspection.excitation import moving_inputs
-from harness.inspection.trial import Array, Trial
-from harness.participants import kinds as kinds
-from harness.participants.driven import DrivenParticipant
-from harness.participants.fmu import Around, FmuParticipant
-from harness.participants.grid import exact
 from harness.participants.settings import Request, settle
-from harness.participants.tracks import Inputs
-from harness.system.graph import FmuComponent
-from harness.system.policy import Policy
 
-__all__ = ["Array", "Subject", "Trial"]
+Array = NDArray[np.float64]
 
 FEWEST, MOST = 20, 100
 """Communication steps of a run of the examination."""
@@ -76,10 +67,6 @@ class Subject:
         """Steps until a snapshot is taken, and after it."""
         return self.steps // 2
 
-    def new_inputs(self) -> Inputs:
-        """The inputs of one run."""
-        return moving_inputs(self.description, self.start, self.step)
-
     @cached_property
     def real_inputs(self) -> tuple[Variable, ...]:
         """Scalar real inputs that may be set at any time."""
@@ -128,34 +115,6 @@ class Subject:
         if d.fmi_major < 3:
             return d.number_of_continuous_states
         return sum(d.variable(rate).size for _, rate in d.states)
-
-    @contextmanager
-    def running(self, name: str = "subject") -> Iterator[Trial]:
-        """A participant after initialisation; closed on leaving."""
-        trial = self.trial(name)
-        try:
-            trial.begin()
-            yield trial
-        finally:
-            trial.participant.close()
-
-    def trial(
-        self,
-        name: str = "subject",
-        start_values: Mapping[str, Any] | None = None,
-        triggers: Mapping[str, Any] | None = None,
-    ) -> Trial:
-        """A participant that is not initialised, with the settings of `simulate`; `triggers` are
-        inputs over time of clocks that the importer triggers."""
-        s, step = self.settings, exact(self.step)
-        policy = Policy(interface_type=self.interface_type, tolerance=s.relative_tolerance,
-                        largest_step=self.step if self.exchanges else None)  # fmt: skip
-        component = FmuComponent(name, self.fmu.path, step.numerator, start_values or {}, policy,
-                                 inputs=triggers)  # fmt: skip
-        around = Around(ticks_per_second=step.denominator)
-        participant = FmuParticipant.of(component, self.fmu, around)
-        assert isinstance(participant, DrivenParticipant)
-        return Trial(self, participant)
 
 
 def _is_plain(v: Variable) -> bool:

@@ -7,60 +7,51 @@ still gives the same bits. This module refuses to judge.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Protocol
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.compiler.operations import CLOCK_SIZE
 from harness.errors import EndRequestedError
 from harness.fmi.binding.continuous import ContinuousPart
-from harness.fmi.description.model_description import Variable
+from harness.inspection.excitation import moving_inputs
+from harness.inspection.subject import Array, Subject
+from harness.participants import kinds as kinds
 from harness.participants.driven import DrivenParticipant
+from harness.participants.fmu import Around, FmuParticipant
+from harness.participants.grid import exact
 from harness.participants.memory import Memory
 from harness.participants.model_exchange import ModelExchange
-from harness.participants.tracks import Inputs
-from harness.system.graph import Endpoint
-
-Array = NDArray[np.float64]
-
-
-class Examined(Protocol):
-    """What a trial needs to know of its subject."""
-
-    @property
-    def start(self) -> float:
-        """Start time of the runs (s)."""
-
-    @property
-    def step(self) -> float:
-        """Communication step (s)."""
-
-    @property
-    def steps(self) -> int:
-        """Communication steps of a run."""
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """The name of each column of what is watched."""
-
-    @property
-    def watched(self) -> tuple[Variable, ...]:
-        """The variables that are watched."""
-
-    def new_inputs(self) -> Inputs:
-        """The inputs of one run."""
+from harness.system.graph import Endpoint, FmuComponent
+from harness.system.policy import Policy
 
 
 class Trial:
-    """One `participant` for a `subject`; `ended`: the FMU has asked to end the simulation."""
+    """A participant for a `subject`, with the settings of `simulate`; `ended`: the FMU has asked to
+    end the simulation."""
 
-    def __init__(self, subject: Examined, participant: DrivenParticipant) -> None:
-        """Nothing has been initialised."""
+    def __init__(
+        self,
+        subject: Subject,
+        name: str = "subject",
+        start_values: Mapping[str, Any] | None = None,
+        triggers: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Instantiated, and not initialised; `triggers` are inputs over time of clocks that the
+        importer triggers."""
+        s, step = subject.settings, exact(subject.step)
+        policy = Policy(interface_type=subject.interface_type, tolerance=s.relative_tolerance,
+                        largest_step=subject.step if subject.exchanges else None)  # fmt: skip
+        component = FmuComponent(name, subject.fmu.path, step.numerator, start_values or {}, policy,
+                                 inputs=triggers)  # fmt: skip
+        around = Around(ticks_per_second=step.denominator)
+        participant = FmuParticipant.of(component, subject.fmu, around)
+        assert isinstance(participant, DrivenParticipant)
         self.subject, self.participant = subject, participant
         self.instance = participant.instance
-        self.inputs = subject.new_inputs()
+        self.inputs = moving_inputs(subject.description, subject.start, subject.step)
         self.ended = False
 
     @property
@@ -132,6 +123,17 @@ class Trial:
         self.ended = False
         self.inputs.forget()
         self.participant.recall(memory)
+
+
+@contextmanager
+def running(subject: Subject, name: str = "subject") -> Iterator[Trial]:
+    """A trial after initialisation; closed on leaving."""
+    trial = Trial(subject, name)
+    try:
+        trial.begin()
+        yield trial
+    finally:
+        trial.participant.close()
 
 
 def _nowhere(end: Endpoint, view: str) -> int:

@@ -12,7 +12,7 @@ from harness.compiler import operations as op
 from harness.compiler.operations import INSTANT, OPERATION, RETURNED
 from harness.errors import EndRequestedError, HarnessError, SimulationError
 from harness.fmi.binding.instance import DISCARD, FATAL
-from harness.fmi.binding.logger import STATUS_NAMES
+from harness.fmi.binding.logger import status_name
 from harness.master.plan.actions import (
     Action,
     Compute,
@@ -68,7 +68,7 @@ def explain(program: Program, outcome: int) -> HarnessError:
             f"component {name}: the FMU asked for the end of the run in the step {when}: "
             f"{instance.log.reasons()}"
         )
-    label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+    label = status_name(status)
     if status == DISCARD:
         label += _got_until(program, now)
     return SimulationError(

@@ -18,7 +18,6 @@ import numpy as np
 
 from harness.compiler import operations as op
 from harness.errors import HarnessError
-from harness.fmi.binding.groups import TextGroup
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.participants.memory import Memory, Row, View
@@ -178,7 +177,7 @@ class Access:
             for name in names
         )
         variables = [self.description.variable(name) for name in owners]
-        bound = TextGroup(self.instance, variables)
+        bound = self.instance.group(*variables)
         cell = memory.cell(group.ends[0])
         empty: str | bytes = "" if cell == "text" else b""
         slots = slice(group.first, group.first + len(group.ends))

@@ -13,6 +13,7 @@ import numpy as np
 
 from harness import Bench, Fmu, simulate
 from harness.inspection.subject import Subject
+from harness.inspection.trial import Trial
 from harness.instruments.source import FunctionSampler
 from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
@@ -185,7 +186,7 @@ def by_doctor(case: Case) -> Rows:
             subject.settings = replace(subject.settings, relative_tolerance=case.tolerance)
         tracks = _tracks(case)
         triggers = {name: tracks.pop(name) for name in case.triggers}
-        trial = subject.trial("fmu", case.start_values, triggers)
+        trial = Trial(subject, "fmu", case.start_values, triggers)
         trial.inputs = read_inputs(fmu.description, tracks, [])
         rows: Rows = {name: [None] for name in job.watched}
         try:

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import stat
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path, PurePosixPath
 
 from harness.errors import FmuError
@@ -36,31 +38,29 @@ def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
 
     A member may be there again with the same content, as some tools pack it by mistake.
     """
+    for fault in chain(_faults(members), _overlaps(members)):
+        raise FmuError(f"FMU {path} {fault}")
+
+
+def _faults(members: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
     seen: dict[str, zipfile.ZipInfo] = {}
     for member in members:
-        fault = _name_fault(member) or _content_fault(member)
-        if fault:
-            raise FmuError(f"FMU {path} {fault}: {quoted(member.orig_filename)}")
+        if fault := _name_fault(member) or _content_fault(member):
+            yield f"{fault}: {quoted(member.orig_filename)}"
         name = member.filename.rstrip("/")
         first = seen.setdefault(name.casefold(), member)
         if first is not member and not member.is_dir() and not _same(first, member):
             other = first.filename.rstrip("/")
-            words = (
-                "twice, with other content"
-                if other == name
-                else f"also as {quoted(other)}, told by case only"
-            )
-            raise FmuError(
-                f"FMU {path} has the member {quoted(name)} {words}; names must be unique"
-            )
-    _check_overlap(path, members)
+            words = "twice, with other content"
+            if other != name:
+                words = f"also as {quoted(other)}, told by case only"
+            yield f"has the member {quoted(name)} {words}; names must be unique"
 
 
 def _same(first: zipfile.ZipInfo, second: zipfile.ZipInfo) -> bool:
     """Whether two members have one name and, as far as the directory tells, one content."""
-    return (first.filename, first.file_size, first.CRC) == (
-        second.filename, second.file_size, second.CRC,
-    )  # fmt: skip
+    told = attrgetter("filename", "file_size", "CRC")
+    return bool(told(first) == told(second))
 
 
 def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION) -> None:
@@ -80,16 +80,14 @@ def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCR
 
 def _name_fault(member: zipfile.ZipInfo) -> str:
     name = member.orig_filename  # zipfile has cut `filename` at a NUL
-    parts = PurePosixPath(name).parts
     if not name or has_control_characters(name):
         return "has a member whose name has control characters or is empty"
-    if name.startswith("/") or ".." in name.replace("\\", "/").split("/"):
-        return "has a member that leaves its folder"
-    if ":" in name.replace("\\", "/").split("/")[0]:
+    folders = name.replace("\\", "/").split("/")
+    if name.startswith("/") or ".." in folders or ":" in folders[0]:
         return "has a member that leaves its folder"
     if "\\" in name:
         return "has a member with backslashes in its name, where the standard demands '/'"
-    if len(parts) > MAX_DEPTH:
+    if len(PurePosixPath(name).parts) > MAX_DEPTH:
         return f"has a member more than {MAX_DEPTH} folders deep"
     return ""
 
@@ -106,15 +104,13 @@ def _content_fault(member: zipfile.ZipInfo) -> str:
     return ""
 
 
-def _check_overlap(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
+def _overlaps(members: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
     """Members that share bytes are how a small archive holds a bomb of any size."""
     end, last = 0, ""
-    for member in sorted(members, key=lambda one: one.header_offset):
+    for member in sorted(members, key=attrgetter("header_offset")):
         if member.header_offset < 0:
-            raise FmuError(f"FMU {path} cannot be unpacked: its directory points outside of it")
+            yield "cannot be unpacked: its directory points outside of it"
         if member.header_offset < end:
-            raise FmuError(
-                f"FMU {path} has members that overlap: {quoted(last)} and {quoted(member.filename)}"
-            )
+            yield f"has members that overlap: {quoted(last)} and {quoted(member.filename)}"
         end = member.header_offset + _LOCAL_HEADER + member.compress_size
         last = member.filename

@@ -11,6 +11,8 @@ import re
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -23,6 +25,16 @@ def make_folder() -> Path:
     parent = tempfile.gettempdir()
     _sweep_once(parent)
     return Path(tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-"))
+
+
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """The same while open; also the next start removes it, should this process be killed."""
+    path = make_folder()
+    try:
+        yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
 
 
 @cache

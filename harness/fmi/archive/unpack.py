@@ -76,21 +76,18 @@ class Archive:
             check_root(self.path, members, self.ROOT)
 
     def _check_size(self, members: list[zipfile.ZipInfo]) -> None:
-        if len(members) > MAX_MEMBERS:
-            raise FmuError(
-                f"FMU {self.path} has {len(members)} members; at most {MAX_MEMBERS} are unpacked"
-            )
         total = sum(member.file_size for member in members)
         packed = self.path.stat().st_size
-        if total > MAX_BYTES:
-            raise FmuError(
-                f"FMU {self.path} unpacks to {total} bytes; at most {MAX_BYTES} are unpacked"
-            )
-        if total > RATIO_FREE_BYTES and total > MAX_RATIO * packed:
-            raise FmuError(
-                f"FMU {self.path} unpacks from {packed} to {total} bytes; more than "
-                f"{MAX_RATIO} times its size is taken for a bomb"
-            )
+        fault = ""
+        if len(members) > MAX_MEMBERS:
+            fault = f"has {len(members)} members; at most {MAX_MEMBERS} are unpacked"
+        elif total > MAX_BYTES:
+            fault = f"unpacks to {total} bytes; at most {MAX_BYTES} are unpacked"
+        elif total > RATIO_FREE_BYTES and total > MAX_RATIO * packed:
+            fault = f"unpacks from {packed} to {total} bytes; more than {MAX_RATIO} times its size "
+            fault += "is taken for a bomb"
+        if fault:
+            raise FmuError(f"FMU {self.path} {fault}")
 
     def _extract(self, archive: zipfile.ZipFile, member: zipfile.ZipInfo, left: int) -> int:
         """Write one member, or compare one that is there again; its number of bytes, which may

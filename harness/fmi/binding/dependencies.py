@@ -19,8 +19,9 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-_MISSING = re.compile(r"(?P<name>[^\s:]+): cannot open shared object file")
-_MISSING_DARWIN = re.compile(r"Library not loaded: (?:@\w+/)?(?P<name>\S+)")
+_MISSING = re.compile(
+    r"([^\s:]+): cannot open shared object file|Library not loaded: (?:@\w+/)?(\S+)"
+)
 _MOST = 100
 _DT_NEEDED, _DT_STRTAB, _IGNORED = 1, 5, 0x6FFFFEF4
 _PT_LOAD, _PT_DYNAMIC = 1, 2
@@ -40,9 +41,10 @@ def _load(path: Path, root: Path, first: list[ctypes.CDLL], tried: set[str]) -> 
         try:
             return ctypes.CDLL(str(path), mode=mode)
         except OSError as fault:
-            name = _missing(str(fault))
-            found = None if name is None else _find(Path(name).name, path.parent, root)
-            if name is None or found is None:
+            missing = _MISSING.search(str(fault))
+            name = missing[missing.lastindex or 0] if missing else ""
+            found = _find(Path(name).name, path.parent, root) if name else None
+            if found is None:
                 raise
             if found.name in tried:  # it is loaded, and the loader does not know it by this name
                 if not _strike_out(path, root, name):
@@ -51,11 +53,6 @@ def _load(path: Path, root: Path, first: list[ctypes.CDLL], tried: set[str]) -> 
             tried.add(found.name)
             first.append(_load(found, root, first, tried))
     raise OSError(f"{path.name} needs more than {_MOST} libraries")
-
-
-def _missing(reason: str) -> str | None:
-    match = _MISSING.search(reason) or _MISSING_DARWIN.search(reason)
-    return match["name"] if match else None
 
 
 def _find(name: str, folder: Path, root: Path) -> Path | None:

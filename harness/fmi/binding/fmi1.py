@@ -10,22 +10,19 @@ from __future__ import annotations
 
 import ctypes
 from pathlib import Path
+from typing import ClassVar
 
 from harness.errors import FmuError
-from harness.fmi.binding.fmi2 import Fmi1Or2Instance, memory
+from harness.fmi.binding.fmi2 import PLAIN_TYPES, Fmi1Or2Instance, fields, memory
 from harness.fmi.binding.instance import CO_SIMULATION, DiscreteStates
-from harness.fmi.binding.logger import forget_name, register_name, variadic_logger
+from harness.fmi.binding.logger import variadic_logger
 
 _MIME_TYPE = b"application/x-fmu-sharedlibrary"
 _TIMEOUT = 10_000.0  # ms
 
 
 class _ModelCallbacks(ctypes.Structure):
-    _fields_ = (
-        ("logger", ctypes.c_void_p),
-        ("allocate_memory", ctypes.c_void_p),
-        ("free_memory", ctypes.c_void_p),
-    )
+    _fields_ = fields(ctypes.c_void_p, "logger", "allocate_memory", "free_memory")
 
 
 class _SlaveCallbacks(ctypes.Structure):
@@ -34,59 +31,41 @@ class _SlaveCallbacks(ctypes.Structure):
 
 class _EventInfo(ctypes.Structure):
     _fields_ = (
-        ("iteration_converged", ctypes.c_int8),
-        ("state_value_references_changed", ctypes.c_int8),
-        ("state_values_changed", ctypes.c_int8),
-        ("terminate_simulation", ctypes.c_int8),
-        ("upcoming_time_event", ctypes.c_int8),
+        *fields(
+            ctypes.c_int8, "converged", "nominals_changed", "values_changed", "terminate", "timed"
+        ),
         ("next_event_time", ctypes.c_double),
     )
 
-    def states(self) -> DiscreteStates:
-        return DiscreteStates(
-            needs_update=not self.iteration_converged,
-            terminate=bool(self.terminate_simulation),
-            nominals_changed=bool(self.state_value_references_changed),
-            values_changed=bool(self.state_values_changed),
-            next_event_time=self.next_event_time if self.upcoming_time_event else None,
-        )
+    @property
+    def needs_update(self) -> bool:
+        return not self.converged
 
 
 class Fmi1Instance(Fmi1Or2Instance):
     """An instance of an FMI 1.0 FMU."""
 
-    prefix, boolean = "fmi", ctypes.c_int8
+    prefix, boolean, event_info = "fmi", ctypes.c_int8, _EventInfo
+    types: ClassVar = PLAIN_TYPES | {"Boolean": ("Boolean", ctypes.c_int8)}
+    _times: tuple[float, float | None, float | None] = (0.0, None, None)
+    _first: DiscreteStates | None = None
 
     def symbol(self, name: str) -> str:
         """The name of the model stands before that of the function."""
         return f"{self.capabilities.model_identifier}_fmi{name}"
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
-        self._times: tuple[float, float | None, float | None] = (0.0, None, None)
-        self._first: DiscreteStates | None = None
-        register_name(self.name, self.log)
+        s, i8 = ctypes.c_char_p, ctypes.c_int8
         callbacks = (variadic_logger(), *memory())
-        s, p, i8 = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_int8
-        named = self.name.encode(), self.description.token.encode()
-        handle: int | None
-        if self.interface_type == CO_SIMULATION:
-            self.free_function = "FreeSlaveInstance"
-            function = ctypes.CFUNCTYPE(
-                p, s, s, s, s, ctypes.c_double, i8, i8, _SlaveCallbacks, i8
-            )(self.address("InstantiateSlave"))  # fmt: skip
-            place = folder.as_uri().encode(), _MIME_TYPE
-            slave = _SlaveCallbacks(*callbacks, None)
-            handle = function(*named, *place, _TIMEOUT, 0, 0, slave, int(logging))
-        else:
+        named = s(self.name.encode()), s(self.description.token.encode())
+        if self.interface_type != CO_SIMULATION:
             self.free_function = "FreeModelInstance"
-            build = ctypes.CFUNCTYPE(p, s, s, _ModelCallbacks, i8)(self.address("InstantiateModel"))
-            handle = build(*named, _ModelCallbacks(*callbacks), int(logging))
-        return handle
-
-    def free(self) -> None:
-        """Free the instance; harmless when it is gone already."""
-        super().free()
-        forget_name(self.name, self.log)
+            model = _ModelCallbacks(*callbacks)
+            return self.create("InstantiateModel", *named, model, i8(logging))
+        self.free_function = "FreeSlaveInstance"
+        place = s(folder.as_uri().encode()), s(_MIME_TYPE), ctypes.c_double(_TIMEOUT)
+        slave = _SlaveCallbacks(*callbacks, None)
+        return self.create("InstantiateSlave", *named, *place, i8(0), i8(0), slave, i8(logging))
 
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None
@@ -104,10 +83,8 @@ class Fmi1Instance(Fmi1Or2Instance):
             stop_time = ctypes.c_double(stop or 0.0)
             self.call("InitializeSlave", ctypes.c_double(start), defined, stop_time)
             return
-        info = ctypes.pointer(_EventInfo())
         controlled = ctypes.c_int8(tolerance is not None)
-        self.call("Initialize", controlled, ctypes.c_double(tolerance or 0.0), info)
-        self._first = info.contents.states()
+        self._first = self.events("Initialize", controlled, ctypes.c_double(tolerance or 0.0))
 
     def terminate(self) -> None:
         """fmiTerminateSlave or fmiTerminate."""
@@ -133,11 +110,7 @@ class Fmi1Instance(Fmi1Or2Instance):
     def update_discrete_states(self) -> DiscreteStates:
         """fmiEventUpdate; the first time after initialisation, what that said."""
         first, self._first = self._first, None
-        if first is not None:
-            return first
-        info = ctypes.pointer(_EventInfo())
-        self.call("EventUpdate", ctypes.c_int8(0), info)
-        return info.contents.states()
+        return first or self.events("EventUpdate", ctypes.c_int8(0))
 
     def completed_integrator_step(self) -> tuple[bool, bool]:
         """Whether an event follows, and False: FMI 1 cannot ask for the end here."""

@@ -18,31 +18,37 @@ from harness.fmi.binding.instance import (
     FmuInstance,
     StepOutcome,
 )
-from harness.fmi.binding.logger import variadic_logger
-from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES, Variable
+from harness.fmi.binding.logger import C_LIBRARY, variadic_logger
+from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES
 
 _PENDING = 5
 _DO_STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3  # of fmi2StatusKind
 _MODEL_EXCHANGE_KIND, _CO_SIMULATION_KIND = 0, 1  # of fmi2Type
 
 
+PLAIN_TYPES: dict[str, tuple[str, Any]] = {
+    **dict.fromkeys(REAL_TYPES, ("Real", ctypes.c_double)),
+    **dict.fromkeys(INTEGER_TYPES, ("Integer", ctypes.c_int)),
+    "Boolean": ("Boolean", ctypes.c_int), "String": ("String", ctypes.c_char_p),
+}  # fmt: skip
+
+
+def fields(ctype: Any, *names: str) -> tuple[tuple[str, Any], ...]:
+    """The fields of a structure that are of one C type."""
+    return tuple((name, ctype) for name in names)
+
+
 class _Callbacks(ctypes.Structure):
-    _fields_ = (
-        ("logger", ctypes.c_void_p),
-        ("allocate_memory", ctypes.c_void_p),
-        ("free_memory", ctypes.c_void_p),
-        ("step_finished", ctypes.c_void_p),
-        ("environment", ctypes.c_void_p),
+    _fields_ = fields(
+        ctypes.c_void_p, "logger", "allocate_memory", "free_memory", "step_finished", "environment"
     )
 
 
 class _EventInfo(ctypes.Structure):
     _fields_ = (
-        ("new_discrete_states_needed", ctypes.c_int),
-        ("terminate_simulation", ctypes.c_int),
-        ("nominals_changed", ctypes.c_int),
-        ("values_changed", ctypes.c_int),
-        ("next_event_time_defined", ctypes.c_int),
+        *fields(
+            ctypes.c_int, "needs_update", "terminate", "nominals_changed", "values_changed", "timed"
+        ),
         ("next_event_time", ctypes.c_double),
     )
 
@@ -50,10 +56,7 @@ class _EventInfo(ctypes.Structure):
 @cache
 def memory() -> tuple[int | None, int | None]:
     """Addresses of calloc and free, which FMUs of FMI 1 and 2 receive."""
-    import sys
-
-    library = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
-    functions = (library.calloc, library.free)
+    functions = (C_LIBRARY.calloc, C_LIBRARY.free)
     addresses = [ctypes.cast(function, ctypes.c_void_p).value for function in functions]
     return addresses[0], addresses[1]
 
@@ -66,8 +69,10 @@ class Fmi1Or2Instance(FmuInstance):
         arguments = (ctypes.c_double(time), ctypes.c_double(step), self.boolean(1))
         status = self._final(self.status("DoStep", *arguments))
         if status == DISCARD:
-            terminate = self.asks_for_the_end()
-            return StepOutcome(self._last_successful_time(time), False, terminate, True)
+            reached = self.step_status(
+                "GetRealStatus", _LAST_SUCCESSFUL_TIME, ctypes.c_double(time)
+            )
+            return StepOutcome(reached, False, self.asks_for_the_end(), True)
         self.check(status, "DoStep", f" at t = {time:.9g} s")
         return StepOutcome(time + step)
 
@@ -80,50 +85,55 @@ class Fmi1Or2Instance(FmuInstance):
             status = found.contents.value
         return status
 
-    def _last_successful_time(self, time: float) -> float:
-        last, kind = ctypes.pointer(ctypes.c_double(time)), ctypes.c_int(_LAST_SUCCESSFUL_TIME)
-        known = self.offers("GetRealStatus") and self.status("GetRealStatus", kind, last) in (0, 1)
-        return last.contents.value if known else time
+    def step_status(self, name: str, kind: int, otherwise: Any) -> Any:
+        """What the FMU says of its last step, `otherwise` (of ctypes) where it does not know."""
+        place = ctypes.pointer(otherwise)
+        with suppress(FmuError):
+            if self.offers(name):
+                self.call(name, ctypes.c_int(kind), place)
+                return place.contents.value
+        return otherwise.value
 
-    def accessor(self, variable: Variable) -> tuple[str, Any]:
-        """Real, Integer (also enumerations), Boolean or String."""
-        if variable.type in REAL_TYPES:
-            return "Real", ctypes.c_double
-        if variable.type in INTEGER_TYPES:
-            return "Integer", ctypes.c_int
-        others = {"Boolean": self.boolean, "String": ctypes.c_char_p}
-        if variable.type not in others:
-            raise FmuError(
-                f"variable {variable.name!r} has type {variable.type}, unknown in FMI "
-                f"{self.description.fmi_major}"
-            )
-        return variable.type, others[variable.type]
+    event_info: type[ctypes.Structure]
+
+    def events(self, name: str, *arguments: Any) -> DiscreteStates:
+        """Call a function whose last argument is event information, and what that says."""
+        info = ctypes.pointer(self.event_info())
+        self.call(name, *arguments, info)
+        said: Any = info.contents
+        return DiscreteStates(
+            needs_update=bool(said.needs_update),
+            terminate=bool(said.terminate),
+            nominals_changed=bool(said.nominals_changed),
+            values_changed=bool(said.values_changed),
+            next_event_time=said.next_event_time if said.timed else None,
+        )
 
 
 class Fmi2Instance(Fmi1Or2Instance):
     """An instance of an FMI 2.0 FMU."""
 
-    prefix, boolean = "fmi2", ctypes.c_int
+    prefix, boolean, event_info, types = "fmi2", ctypes.c_int, _EventInfo, PLAIN_TYPES
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
-        allocate, release = memory()
+        s, i = ctypes.c_char_p, ctypes.c_int
         self._callbacks = _Callbacks(
-            variadic_logger(), allocate, release, None, self._environment
+            variadic_logger(), *memory(), None, self._environment
         )  # lives as long as the instance
-        function = ctypes.CFUNCTYPE(
-            ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p,
-            ctypes.c_void_p, ctypes.c_int, ctypes.c_int,
-        )(self.address("Instantiate"))  # fmt: skip
-        handle: int | None = function(
-            self.name.encode(),
-            _CO_SIMULATION_KIND if self.interface_type == CO_SIMULATION else _MODEL_EXCHANGE_KIND,
-            self.description.token.encode(),
-            (folder / "resources").as_uri().encode(),
-            ctypes.addressof(self._callbacks),
-            0,
-            int(logging),
+        return self.create(
+            "Instantiate",
+            s(self.name.encode()),
+            i(
+                _CO_SIMULATION_KIND
+                if self.interface_type == CO_SIMULATION
+                else _MODEL_EXCHANGE_KIND
+            ),
+            s(self.description.token.encode()),
+            s((folder / "resources").as_uri().encode()),
+            ctypes.c_void_p(ctypes.addressof(self._callbacks)),
+            i(0),
+            i(logging),
         )
-        return handle
 
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None
@@ -134,23 +144,8 @@ class Fmi2Instance(Fmi1Or2Instance):
 
     def asks_for_the_end(self) -> bool:
         """fmi2GetBooleanStatus(fmi2Terminated), after a step that was discarded."""
-        if not self.offers("GetBooleanStatus"):
-            return False
-        value = ctypes.pointer(ctypes.c_int())
-        with suppress(FmuError):  # it does not know, so the step was discarded for another reason
-            self.call("GetBooleanStatus", ctypes.c_int(_TERMINATED), value)
-            return value.contents.value != 0
-        return False
+        return bool(self.step_status("GetBooleanStatus", _TERMINATED, ctypes.c_int()))
 
     def update_discrete_states(self) -> DiscreteStates:
         """fmi2NewDiscreteStates."""
-        info = ctypes.pointer(_EventInfo())
-        self.call("NewDiscreteStates", info)
-        i = info.contents
-        return DiscreteStates(
-            needs_update=bool(i.new_discrete_states_needed),
-            terminate=bool(i.terminate_simulation),
-            nominals_changed=bool(i.nominals_changed),
-            values_changed=bool(i.values_changed),
-            next_event_time=i.next_event_time if i.next_event_time_defined else None,
-        )
+        return self.events("NewDiscreteStates")

@@ -6,11 +6,10 @@ import ctypes
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from harness.errors import FmuError
 from harness.fmi.binding.instance import (
     CO_SIMULATION,
     DISCARD,
@@ -19,17 +18,16 @@ from harness.fmi.binding.instance import (
     StepOutcome,
 )
 from harness.fmi.binding.interface import SCHEDULED_EXECUTION
+from harness.fmi.binding.library import instantiating
 from harness.fmi.binding.logger import fmi3_logger
 from harness.fmi.binding.values import NATIVE_TYPES
-from harness.fmi.description.model_description import Variable
 
 _INTERVAL_CHANGED = 2
-_TYPES: dict[str, Any] = {
+_C_TYPES: dict[str, Any] = {
     name: np.ctypeslib.as_ctypes_type(dtype)
     for name, dtype in NATIVE_TYPES.items()
     if name not in ("Real", "Integer")
 } | {"String": ctypes.c_char_p, "Binary": ctypes.py_object}
-
 
 _CLOCK_UPDATE = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
 _PREEMPTION = ctypes.CFUNCTYPE(None)
@@ -44,33 +42,27 @@ class Fmi3Instance(FmuInstance):
     """An instance of an FMI 3.0 FMU; intermediate update is not used."""
 
     prefix, boolean = "fmi3", ctypes.c_bool
+    types: ClassVar = {name: (name, ctype) for name, ctype in _C_TYPES.items()} | {
+        "Enumeration": ("Int64", ctypes.c_int64)
+    }
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
         b, s, p = ctypes.c_bool, ctypes.c_char_p, ctypes.c_void_p
         resources = folder / "resources"
         path = f"{resources}{os.sep}".encode() if resources.is_dir() else None
-        common = (self.name.encode(), self.description.token.encode(), path, False, logging)
-        callback = ctypes.cast(fmi3_logger, p)
-        handle: int | None
+        modes: tuple[Any, ...] = ()
+        others: tuple[Any, ...] = ()
         if self.interface_type == CO_SIMULATION:
-            function = ctypes.CFUNCTYPE(
-                p, s, s, s, b, b, b, b, p, ctypes.c_size_t, p, p, p
-            )(self.address("InstantiateCoSimulation"))  # fmt: skip
-            modes = (self.event_mode, self.early_return)
-            handle = function(*common, *modes, None, 0, self._environment, callback, None)
+            modes = b(self.event_mode), b(self.early_return), p(None), ctypes.c_size_t(0)
+            others = (p(None),)
         elif self.interface_type == SCHEDULED_EXECUTION:
             self._callbacks = (_CLOCK_UPDATE(self._count_update), *_unlocked())
-            function = ctypes.CFUNCTYPE(p, s, s, s, b, b, p, p, p, p, p)(
-                self.address("InstantiateScheduledExecution")
-            )
-            others = (ctypes.cast(one, p) for one in self._callbacks)
-            handle = function(*common, self._environment, callback, *others)
-        else:
-            function = ctypes.CFUNCTYPE(p, s, s, s, b, b, p, p)(
-                self.address("InstantiateModelExchange")
-            )
-            handle = function(*common, self._environment, callback)
-        return handle
+            others = self._callbacks
+        return self.create(
+            instantiating(self.interface_type),
+            s(self.name.encode()), s(self.description.token.encode()), s(path), b(False),
+            b(logging), *modes, p(self._environment), fmi3_logger, *others,
+        )  # fmt: skip
 
     clock_updates = 0
     """How often clockUpdate was called, in scheduled execution."""
@@ -129,10 +121,3 @@ class Fmi3Instance(FmuInstance):
         interval, qualifier = ctypes.pointer(ctypes.c_double()), ctypes.pointer(ctypes.c_int())
         self.call("GetIntervalDecimal", reference, ctypes.c_size_t(1), interval, qualifier)
         return interval.contents.value if qualifier.contents.value == _INTERVAL_CHANGED else None
-
-    def accessor(self, variable: Variable) -> tuple[str, Any]:
-        """One pair of functions a type; enumerations are Int64."""
-        name = "Int64" if variable.type == "Enumeration" else variable.type
-        if name not in _TYPES:
-            raise FmuError(f"variable {variable.name!r} of type {name} cannot be read or set here")
-        return name, _TYPES[name]

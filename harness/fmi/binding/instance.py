@@ -12,12 +12,13 @@ import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import FmuError
+from harness.fmi.binding.groups import Group
 from harness.fmi.binding.interface import (
     CO_SIMULATION,
     MODEL_EXCHANGE,
@@ -27,17 +28,9 @@ from harness.fmi.binding.interface import (
     capabilities,
 )
 from harness.fmi.binding.library import library_path, load, mandatory_functions
-from harness.fmi.binding.logger import STATUS_NAMES, LogMessage, MessageLog, forget, register
+from harness.fmi.binding.logger import LogMessage, MessageLog, forget, register, status_name
 from harness.fmi.binding.mark import calling, returned
-from harness.fmi.binding.values import (
-    Value,
-    Values,
-    binaries,
-    binary_pointers,
-    from_c,
-    opposite,
-    to_c,
-)
+from harness.fmi.binding.values import Value, Values, from_c, opposite, to_c
 from harness.fmi.description.model_description import ModelDescription, Variable
 
 __all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
@@ -83,7 +76,7 @@ class FmuInstance(ABC):
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
-        self._environment = register(self.log)
+        self._environment = register(self.log, name if description.fmi_major == 1 else "")
         calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
         returned()
@@ -101,6 +94,12 @@ class FmuInstance(ABC):
 
     @abstractmethod
     def _instantiate(self, folder: Path, logging: bool) -> int | None: ...
+
+    def create(self, name: str, *arguments: Any) -> int | None:
+        """Call the C function `name`, which makes an instance; its address, None where it fails."""
+        prototype = ctypes.CFUNCTYPE(ctypes.c_void_p, *map(type, arguments))
+        handle: int | None = prototype(self.address(name))(*arguments)
+        return handle
 
     def symbol(self, name: str) -> str:
         """The full name of the C function `name`."""
@@ -136,9 +135,8 @@ class FmuInstance(ABC):
             return
         if status == FATAL:
             self.mark_dead()
-        label = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
         raise FmuError(
-            f"component {self.name}: {self.symbol(name)}{what} returned {label}: "
+            f"component {self.name}: {self.symbol(name)}{what} returned {status_name(status)}: "
             f"{self.log.reasons()}"
         )
 
@@ -200,7 +198,7 @@ class FmuInstance(ABC):
             returned()
             self._library.instances -= 1
         self.handle = None
-        forget(self._environment)
+        forget(self.log)
 
     def __enter__(self) -> Self:
         return self
@@ -245,9 +243,21 @@ class FmuInstance(ABC):
 
     # values
 
-    @abstractmethod
-    def accessor(self, variable: Variable) -> tuple[str, Any]:
-        """Suffix of the get and set functions for a variable's type, and its C type."""
+    types: ClassVar[Mapping[str, tuple[str, Any]]]
+    """Suffix of the get and set functions of each type of variables, and its C type."""
+
+    def group(self, *variables: Variable) -> Group:
+        """Variables of one type, to be read or set together; raises `FmuError`."""
+        kind = variables[0].type
+        if kind not in self.types:
+            raise FmuError(
+                f"variable {variables[0].name!r} has type {kind}, unknown in FMI "
+                f"{self.description.fmi_major}"
+            )
+        suffix, ctype = self.types[kind]
+        sized = self.prefix == "fmi3" and suffix != "Clock"
+        count = sum(map(self.count, variables))
+        return Group(self.call, suffix, ctype, variables, count, sized=sized)
 
     def shape(self, variable: Variable) -> tuple[int, ...]:
         """The sizes of an array with the structural parameters in force; () for a scalar."""
@@ -261,34 +271,17 @@ class FmuInstance(ABC):
         """Set variables by name: a number, a boolean, a string, bytes, or those of an array."""
         for name, value in values.items():
             variable = self.description.variable(name)
-            suffix, ctype = self.accessor(variable)
+            group = self.group(variable)
             if variable.details.negated:
                 value = opposite(variable, value)
-            data = to_c(variable, value, ctype, self.count(variable), self.name)
-            blocks = binary_pointers(list(data)) if suffix == "Binary" else (data,)
-            self._transfer(f"Set{suffix}", variable, *blocks[:2])
+            ctype = self.types[variable.type][1]
+            group.write(to_c(variable, value, ctype, self.count(variable), self.name))
 
     def get(self, name: str) -> Any:
         """The value of a variable: a float, an int, a bool, a str, bytes, or an array of them."""
         variable = self.description.variable(name)
-        suffix, ctype = self.accessor(variable)
-        shape, count = self.shape(variable), self.count(variable)
-        if suffix == "Binary":
-            sizes, pointers = (ctypes.c_size_t * count)(), (ctypes.c_void_p * count)()
-            self._transfer(f"Get{suffix}", variable, sizes, pointers)
-            return from_c(variable, binaries(sizes, pointers), shape)
-        data = (ctype * count)()
-        self._transfer(f"Get{suffix}", variable, data)
-        value = from_c(variable, data, shape)
+        value = from_c(variable, self.group(variable).read(), self.shape(variable))
         return opposite(variable, value) if variable.details.negated else value
-
-    def _transfer(self, function: str, variable: Variable, *data: Any) -> None:
-        reference = ctypes.c_uint32(variable.value_reference)
-        first, *blocks = (ctypes.c_void_p(ctypes.addressof(block)) for block in (reference, *data))
-        sized = self.prefix == "fmi3" and not function.endswith("Clock")
-        sizes = [ctypes.c_size_t(len(data[-1]))] if sized else []
-        what = f" of variable {variable.name!r}"
-        self.call(function, first, ctypes.c_size_t(1), *blocks, *sizes, what=what)
 
     # state
 

@@ -36,17 +36,20 @@ class DiscreteStates:
     next_event_time: float | None = None
 
 
-def capabilities(description: ModelDescription, interface_type: InterfaceType) -> Capabilities:
-    """What the FMU can do in this kind of interface; raises `FmuError` where it lacks it."""
+def offered(d: ModelDescription) -> dict[InterfaceType, Capabilities]:
+    """The kinds of interface that an FMU has, and what it can do in each."""
     kinds = {
-        CO_SIMULATION: description.co_simulation, MODEL_EXCHANGE: description.model_exchange,
-        SCHEDULED_EXECUTION: description.scheduled_execution,
+        CO_SIMULATION: d.co_simulation, MODEL_EXCHANGE: d.model_exchange,
+        SCHEDULED_EXECUTION: d.scheduled_execution,
     }  # fmt: skip
-    found = kinds[interface_type]
-    if found is None:
-        offered = [kind for kind, one in kinds.items() if one is not None]
+    return {kind: one for kind, one in kinds.items() if one is not None}
+
+
+def capabilities(d: ModelDescription, kind: InterfaceType) -> Capabilities:
+    """What the FMU can do in this kind of interface; raises `FmuError` where it lacks it."""
+    found = offered(d)
+    if kind not in found:
         raise FmuError(
-            f"FMU {description.name} offers no {interface_type}; it offers "
-            + (" and ".join(offered) or "nothing")
+            f"FMU {d.name} offers no {kind}; it offers {' and '.join(found) or 'nothing'}"
         )
-    return found
+    return found[kind]

@@ -21,10 +21,18 @@ from harness.fmi.binding.interface import (
 from harness.fmi.binding.mark import calling, returned
 
 _SUFFIX = {"linux": ".so", "win32": ".dll", "darwin": ".dylib"}
+SUFFIXES = frozenset(_SUFFIX.values())
+"""Of shared libraries, on all platforms."""
+
+
 _SYSTEM = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
 _FMI2_FOLDER = {"linux": "linux64", "win32": "win64", "darwin": "darwin64"}
 _MACHINES = {"amd64": "x86_64", "x86-64": "x86_64", "arm64": "aarch64"}
 
+_STEPPING = {
+    CO_SIMULATION: ("DoStep",), MODEL_EXCHANGE: ("SetTime", "SetContinuousStates"),
+    SCHEDULED_EXECUTION: ("ActivateModelPartition",),
+}  # fmt: skip
 _REASONS = {
     r"^(\S+): cannot open shared object file": (
         "it needs the library {}, which is not installed here"
@@ -53,7 +61,7 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
         path = binaries / name / (model_identifier + suffix)
         if path.is_file():
             return path
-    there = sorted(p for p in binaries.glob("*/*") if p.suffix in _SUFFIX.values())
+    there = sorted(p for p in binaries.glob("*/*") if p.suffix in SUFFIXES)
     here = [p.name for p in there if p.parent.name in names]
     if here:
         found = f"{', '.join(here)} instead"
@@ -66,21 +74,19 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     )
 
 
+def instantiating(kind: InterfaceType) -> str:
+    """The function of FMI 3 that makes an instance of this kind, without its prefix."""
+    return "Instantiate" + kind.title().replace("-", "")
+
+
 def mandatory_functions(fmi_major: int, kind: InterfaceType) -> tuple[str, ...]:
     """What every library of FMI 2 or 3 must have for any run; setters and getters are looked for
     when a variable of their type is used. FMI 1 prefixes its names, so none are known here."""
     if fmi_major == 1:
         return ()
-    own = ("SetupExperiment",) if fmi_major == 2 else ()
-    steps = {
-        CO_SIMULATION: ("DoStep",), MODEL_EXCHANGE: ("SetTime", "SetContinuousStates"),
-        SCHEDULED_EXECUTION: ("ActivateModelPartition",),
-    }  # fmt: skip
-    names = (
-        "Instantiate" + kind.title().replace("-", "") * (fmi_major == 3), *own,
-        "EnterInitializationMode",
-        "ExitInitializationMode", *steps[kind], "Terminate", "FreeInstance",
-    )  # fmt: skip
+    create = ("Instantiate", "SetupExperiment") if fmi_major == 2 else (instantiating(kind),)
+    initialise = ("EnterInitializationMode", "ExitInitializationMode")
+    names = (*create, *initialise, *_STEPPING[kind], "Terminate", "FreeInstance")
     return tuple(f"fmi{fmi_major}{name}" for name in names)
 
 

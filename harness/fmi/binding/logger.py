@@ -1,8 +1,8 @@
-"""The log callbacks that an FMU calls, formatted in native code and recorded.
+"""The log callbacks that an FMU calls, formatted and recorded.
 
 FMI 1 and 2 hand over a printf format with its arguments, which Python cannot receive. A variadic
-C function, emitted here once per process, formats the message with the C library's vsnprintf and
-passes plain text on. Formats that would make the C library crash are passed on as they are.
+C function, emitted here once per process, passes them on as a va_list, from which the C library's
+vsnprintf makes the text. Formats that would make the C library crash are shown as they are.
 
 An FMU may call back at any time, from any thread, with null or garbage, a million times: what is
 kept of it is bounded, and no exception leaves a callback.
@@ -15,6 +15,7 @@ import platform
 import sys
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -27,7 +28,13 @@ MOST_MESSAGES = 200
 LONGEST_MESSAGE = 4096
 """Characters of a message that are kept."""
 
+_VSNPRINTF = "_vsnprintf" if sys.platform == "win32" else "vsnprintf"
 _REASON = 500  # characters of messages in an error
+
+
+def status_name(status: int) -> str:
+    """A status as the standard calls it."""
+    return STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
 
 
 @dataclass(frozen=True)
@@ -39,8 +46,7 @@ class LogMessage:
     text: str
 
     def __str__(self) -> str:
-        name = STATUS_NAMES[self.status] if 0 <= self.status < len(STATUS_NAMES) else "?"
-        return f"[{name}] {self.category}: {self.text}"
+        return f"[{status_name(self.status)}] {self.category}: {self.text}"
 
 
 @dataclass
@@ -81,39 +87,32 @@ def _decoded(raw: bytes | None) -> str:
     return (raw or b"")[:LONGEST_MESSAGE].decode("utf-8", "replace")
 
 
-PLAIN_LOGGER = ctypes.CFUNCTYPE(
-    None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
+C_LIBRARY = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+_FMI3_LOGGER = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
 )
-"""void logger(environment, instance name, status, category, text)"""
-
-_CHECK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
-
-
-@_CHECK  # type: ignore[untyped-decorator]
-def _check(form: Any, arguments: Any) -> int:
-    """1 where the format may be expanded with its arguments."""
-    try:
-        return int(expandable(ctypes.string_at(form), arguments or 0))
-    except Exception:
-        return 0
-
+_LOGGER = ctypes.CFUNCTYPE(
+    None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, *[ctypes.c_char_p] * 2, ctypes.c_void_p
+)
+"""void logger(environment, instance name, status, category, format, va_list)"""
 
 _logs: dict[int | bytes, MessageLog] = {}
 
 
-@PLAIN_LOGGER  # type: ignore[untyped-decorator]
-def _receive(environment: Any, name: Any, status: int, category: Any, text: Any) -> None:
-    log = _logs.get(environment or 0) or _logs.get(name or b"")
-    if log is not None:
-        log.add(status, category, text)
+def register(log: MessageLog, name: str = "") -> int:
+    """`log` receives the messages of the instance whose environment is the number returned, or
+    that is called `name`: FMI 1 has no environment."""
+    _logs[name.encode() or id(log)] = log
+    return id(log)
 
 
-FMI3_LOGGER = ctypes.CFUNCTYPE(
-    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
-)
+def forget(log: MessageLog) -> None:
+    """Messages for `log` are dropped from now on."""
+    for key in [key for key, known in list(_logs.items()) if known is log]:
+        del _logs[key]
 
 
-@FMI3_LOGGER  # type: ignore[untyped-decorator]
+@_FMI3_LOGGER  # type: ignore[untyped-decorator]
 def fmi3_logger(environment: Any, status: int, category: Any, text: Any) -> None:
     """The log callback of FMI 3."""
     log = _logs.get(environment or 0)
@@ -121,27 +120,24 @@ def fmi3_logger(environment: Any, status: int, category: Any, text: Any) -> None
         log.add(status, category, text)
 
 
-def register(log: MessageLog) -> int:
-    """A number that stands for `log` as the environment of an instance."""
-    key = id(log)
-    _logs[key] = log
-    return key
+@_LOGGER  # type: ignore[untyped-decorator]
+def _receive(
+    environment: Any, name: Any, status: int, category: Any, form: Any, arguments: Any
+) -> None:
+    log = _logs.get(environment or 0) or _logs.get(name or b"")
+    if log is not None:
+        log.add(status, category, _expanded(form or b"", arguments or 0))
 
 
-def forget(key: int) -> None:
-    """Messages for `key` are dropped from now on."""
-    _logs.pop(key, None)
-
-
-def register_name(name: str, log: MessageLog) -> None:
-    """`log` receives the messages of the instance called `name`; FMI 1 has no environment."""
-    _logs[name.encode()] = log
-
-
-def forget_name(name: str, log: MessageLog) -> None:
-    """Undo `register_name`, unless another instance has taken the name since."""
-    if _logs.get(name.encode()) is log:
-        del _logs[name.encode()]
+def _expanded(form: bytes, arguments: int) -> bytes:
+    """A printf format with the va_list at address `arguments`, or as it is where that is unsafe."""
+    text = ctypes.create_string_buffer(LONGEST_MESSAGE + 1)
+    with suppress(Exception):
+        if expandable(form, arguments):
+            size, given = ctypes.c_size_t(LONGEST_MESSAGE), ctypes.c_void_p(arguments)
+            getattr(C_LIBRARY, _VSNPRINTF)(text, size, form, given)
+            return text.value
+    return form
 
 
 @cache
@@ -164,11 +160,7 @@ def variadic_logger() -> int:
 
 
 def _ir() -> str:
-    library = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
-    name = "_vsnprintf" if sys.platform == "win32" else "vsnprintf"
-    formatter = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
     receiver = ctypes.cast(_receive, ctypes.c_void_p).value
-    checker = ctypes.cast(_check, ctypes.c_void_p).value
     # where va_list is an array (System V, AAPCS64) its address is passed, elsewhere its content
     x86_64 = "x86_64" in platform.machine().lower()
     by_value = sys.platform == "win32" or (sys.platform == "darwin" and not x86_64)
@@ -179,34 +171,13 @@ declare void @llvm.va_end(i8*)
 define void @fmu_harness_logger(
     i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, ...) {{
   %area = alloca [8 x i64], align 16
-  %text = alloca [{LONGEST_MESSAGE} x i8], align 16
   %slot = bitcast [8 x i64]* %area to i8**
   %raw = bitcast [8 x i64]* %area to i8*
-  %first = bitcast [{LONGEST_MESSAGE} x i8]* %text to i8*
-  store i8 0, i8* %first
-  %missing = icmp eq i8* %format, null
-  br i1 %missing, label %pass, label %print
-print:
   call void @llvm.va_start(i8* %raw)
   {load}
-  %check = inttoptr i64 {checker} to i32 (i8*, i8*)*
-  %safe = call i32 %check(i8* %format, i8* %list)
-  %sound = icmp ne i32 %safe, 0
-  br i1 %sound, label %expand, label %leave
-expand:
-  %vsnprintf = inttoptr i64 {formatter} to i32 (i8*, i64, i8*, i8*)*
-  %n = call i32 %vsnprintf(i8* %first, i64 {LONGEST_MESSAGE}, i8* %format, i8* %list)
+  %receive = inttoptr i64 {receiver} to void (i8*, i8*, i32, i8*, i8*, i8*)*
+  call void %receive(i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, i8* %list)
   call void @llvm.va_end(i8* %raw)
-  %last = getelementptr i8, i8* %first, i64 {LONGEST_MESSAGE - 1}
-  store i8 0, i8* %last
-  br label %pass
-leave:
-  call void @llvm.va_end(i8* %raw)
-  br label %pass
-pass:
-  %out = phi i8* [ %first, %0 ], [ %first, %expand ], [ %format, %leave ]
-  %receive = inttoptr i64 {receiver} to void (i8*, i8*, i32, i8*, i8*)*
-  call void %receive(i8* %env, i8* %name, i32 %status, i8* %category, i8* %out)
   ret void
 }}
 """

@@ -5,9 +5,8 @@ Pure conversions; nothing of an FMU is called here.
 
 from __future__ import annotations
 
-import ctypes
-import math
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -33,8 +32,9 @@ def native_dtype(variable: Variable) -> Any:
     return NATIVE_TYPES.get(variable.type, np.object_)
 
 
-def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> Any:
-    """A C array of `count` elements; raises `FmuError` where `value` does not fit."""
+def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: str) -> list[Any]:
+    """`count` elements, of which a C array can be made; raises `FmuError` where `value` does not
+    fit."""
     items = flat(value)
     if len(items) != count:
         raise FmuError(
@@ -42,11 +42,10 @@ def to_c(variable: Variable, value: Values, ctype: Any, count: int, component: s
             f"but {len(items)} value(s) were given"
         )
     try:
-        made = [_to_c(variable, item) for item in items]
-        data = (ctype * count)(*made)
-        if variable.type in INTEGER_TYPES and list(data) != made:  # C integers wrap silently
-            raise ValueError(value)
-        return data
+        made = [element(variable, item) for item in items]
+        if variable.type in INTEGER_TYPES and list((ctype * count)(*made)) != made:
+            raise OverflowError(value)  # C integers wrap silently
+        return made
     except (TypeError, ValueError, KeyError, OverflowError) as fault:
         raise FmuError(
             f"component {component}: variable {variable.name!r} of type {variable.type} cannot be "
@@ -68,54 +67,14 @@ def flat(value: Values) -> list[Any]:
     return [value]
 
 
-def _to_c(variable: Variable, value: Any) -> Any:
-    if variable.type in REAL_TYPES:
-        return float(value)
-    if variable.type in INTEGER_TYPES:
-        whole = int(value)
-        if not isinstance(value, (int, str)) and float(value) != whole:
-            raise ValueError(value)
-        return whole
+def from_c(variable: Variable, items: list[Any], shape: tuple[int, ...]) -> Any:
+    """The Python value of what C has: one item, or for an array an ndarray of `shape`."""
     if variable.type in ("Boolean", "Clock"):
-        return _WORDS[str(value).strip().lower()]
-    if variable.type == "String":
-        return str(value).encode()
-    if variable.type == "Binary":
-        return bytes.fromhex(value) if isinstance(value, str) else bytes(value)
-    raise TypeError(variable.type)
-
-
-def from_c(variable: Variable, data: Any, shape: tuple[int, ...]) -> Any:
-    """The Python value of a C array: one item, or for an array an ndarray of `shape`."""
-    items = [_from_c(variable, item) for item in data]
+        items = list(map(bool, items))
     if not shape:
         return items[0]
     dtype = np.object_ if variable.type in ("String", "Binary") else None
     return np.array(items, dtype=dtype).reshape(shape)
-
-
-def _from_c(variable: Variable, item: Any) -> Any:
-    if variable.type in ("Boolean", "Clock"):
-        return bool(item) if not isinstance(item, bytes) else item != b"\0"
-    if variable.type == "String":
-        return (item or b"").decode("utf-8", "replace")
-    return item
-
-
-def binary_pointers(data: Sequence[bytes]) -> tuple[Any, Any, Any]:
-    """Sizes, pointers and what keeps them alive, for setting binaries."""
-    buffers = [ctypes.create_string_buffer(one, max(1, len(one))) for one in data]
-    sizes = (ctypes.c_size_t * len(data))(*map(len, data))
-    pointers = (ctypes.c_void_p * len(data))(*map(ctypes.addressof, buffers))
-    return sizes, pointers, buffers
-
-
-def binaries(sizes: Any, pointers: Any) -> list[bytes]:
-    """The bytes behind the pointers that an FMU gave; copied at once, since they are its own."""
-    return [
-        ctypes.string_at(pointer, size) if pointer and size else b""
-        for size, pointer in zip(sizes, pointers, strict=True)
-    ]
 
 
 def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
@@ -127,7 +86,7 @@ def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
     """
     words = text.replace(",", " ").split() if variable.dimensions or count > 1 else [text]
     try:
-        values = [parse_item(variable, word) for word in words]
+        values = [element(variable, word) for word in words]
     except (KeyError, ValueError, OverflowError) as fault:
         raise FmuError(
             f"variable {variable.name!r} of type {variable.type} cannot be {text!r}"
@@ -136,30 +95,32 @@ def parse_value(variable: Variable, text: str, count: int = 1) -> Values:
     return values if variable.dimensions else values[0]
 
 
-def parse_item(variable: Variable, word: str) -> Any:
-    """One element of `parse_value`; raises KeyError, ValueError or OverflowError."""
+def element(variable: Variable, given: Any) -> Any:
+    """One element of a variable, of a text or a value; raises KeyError, TypeError, ValueError or
+    OverflowError where `given` means none."""
     if variable.type in REAL_TYPES:
-        return float(word)
+        return float(given)
     if variable.type in INTEGER_TYPES:
-        return _whole(variable, word.strip())
+        return _whole(variable, given)
     if variable.type in ("Boolean", "Clock"):
-        return _WORDS[word.strip().lower()]
+        return _WORDS[str(given).strip().lower()]
     if variable.type == "Binary":
-        return bytes.fromhex(word)
-    return word
+        return bytes.fromhex(given) if isinstance(given, str) else bytes(given)
+    return str(given)
 
 
-def _whole(variable: Variable, word: str) -> int:
-    for number, name in variable.details.items:
-        if word == name:
-            return number
-    try:
-        return int(word)
-    except ValueError:
-        number_ = float(word)
-        if not math.isfinite(number_) or number_ != int(number_):
-            raise
-        return int(number_)
+def _whole(variable: Variable, given: Any) -> int:
+    if isinstance(given, str):
+        names = {name: number for number, name in variable.details.items}
+        if given.strip() in names:
+            return names[given.strip()]
+        with suppress(ValueError):
+            return int(given)
+    if isinstance(given, (int, np.integer)):
+        return int(given)
+    if not float(given).is_integer():
+        raise ValueError(given)
+    return int(float(given))
 
 
 def item_names(variable: Variable) -> str:

@@ -6,6 +6,7 @@ No run needs them, so whatever is wrong with them is told and they are left out.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -34,10 +35,8 @@ def read_terminals(
     root = _root(folder, folder / TERMINALS, faults)
     if root is None:
         return
-    faults += (
-        Fault(Harm.NONE, f"{one.text} in {TERMINALS}", one.line, one.rule)
-        for one in schema_faults(root, "fmi3/fmi3TerminalsAndIcons.xsd")
-    )
+    schema = schema_faults(root, "fmi3/fmi3TerminalsAndIcons.xsd")
+    faults += (replace(one, harm=Harm.NONE, text=f"{one.text} in {TERMINALS}") for one in schema)
     for element in root.iterfind("Terminals/Terminal"):
         terminal = _terminal(element)
         for member in _members(terminal):
@@ -50,26 +49,19 @@ def read_terminals(
 
 def _terminal(element: Any) -> Terminal:
     members = [
-        Member(
-            one.get("variableName", ""),
-            one.get("memberName") or one.get("variableName", ""),
-            one.get("variableKind", ""),
-        )
+        Member(name, one.get("memberName") or name, one.get("variableKind", ""))
         for one in element.iterchildren("TerminalMemberVariable")
+        for name in (one.get("variableName", ""),)
     ]
     members += [
         Member(one.get(f"{way}VariableName", ""), one.get(f"{way}MemberName", ""), way)
         for one in element.iterchildren("TerminalStreamMemberVariable")
         for way in ("inStream", "outStream")
     ]
-    return Terminal(
-        element.get("name", ""),
-        element.get("matchingRule", ""),
-        element.get("terminalKind", ""),
-        element.get("description", ""),
-        tuple(members),
-        tuple(map(_terminal, element.iterchildren("Terminal"))),
-    )
+    keys = ("name", "matchingRule", "terminalKind", "description")
+    name, rule, kind, description = (element.get(key, "") for key in keys)
+    inner = tuple(map(_terminal, element.iterchildren("Terminal")))
+    return Terminal(name, rule, kind, description, tuple(members), inner)
 
 
 def _members(terminal: Terminal) -> Iterator[Member]:
@@ -83,10 +75,8 @@ def read_layered_standards(folder: Path, faults: list[Fault]) -> Iterator[Layere
     for path in sorted(islice((folder / "extra").rglob(MANIFEST), _MOST_MANIFESTS)):
         root = _root(folder, path, faults)
         if root is not None:
-            keys = ("name", "version", "description")
-            yield LayeredStandard(
-                **{key: str(root.get(f"{_NAMESPACE}fmi-ls-{key}", "")) for key in keys}
-            )
+            keys = (f"{_NAMESPACE}fmi-ls-{key}" for key in ("name", "version", "description"))
+            yield LayeredStandard(*(root.get(key, "") for key in keys))
 
 
 def _root(folder: Path, path: Path, faults: list[Fault]) -> Any:

@@ -7,7 +7,8 @@ from __future__ import annotations
 import importlib.util
 import re
 from collections.abc import Iterator
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from lxml import etree
 
 from harness.errors import FmuError
 from harness.fmi.description.faults import DOCUMENT, Fault, Harm
+from harness.fmi.description.rules import rule
 from harness.fmi.wording import shorten
 
 MAX_DOCUMENT = 2**28
@@ -30,6 +32,24 @@ _LISTS = re.compile(
     r"Element '(UnitDefinitions|TypeDefinitions|LogCategories|InitialUnknowns|Outputs|Derivatives|"
     r"SourceFiles|VendorAnnotations)': Missing child"
 )
+
+
+@dataclass(frozen=True)
+class Document:
+    """A modelDescription.xml that is being read, by its root element, and its `faults` so far."""
+
+    root: Any
+    faults: list[Fault]
+
+    @cached_property
+    def major(self) -> int:
+        """1, 2 or 3."""
+        return int(self.root.get("fmiVersion")[0])
+
+    def tell(self, element: Any, text: str, harm: Harm = Harm.NONE, key: str = "") -> None:
+        """`text` is wrong with an element; `key` names the sentence of the standard."""
+        cited = rule(key, self.major) if key else ""
+        self.faults.append(Fault(harm, text, element.sourceline or 0, cited))
 
 
 def parse(path: Path, what: str) -> Any:

@@ -92,11 +92,11 @@ class Capabilities:
     """What the FMU can do in one kind of interface; `model_identifier` names its library."""
 
     model_identifier: str
-    can_get_and_set_fmu_state: bool
-    can_serialize_fmu_state: bool
-    provides_directional_derivatives: bool
-    provides_adjoint_derivatives: bool
-    can_be_instantiated_only_once: bool
+    can_get_and_set_fmu_state: bool = False
+    can_serialize_fmu_state: bool = False
+    provides_directional_derivatives: bool = False
+    provides_adjoint_derivatives: bool = False
+    can_be_instantiated_only_once: bool = False
     can_handle_variable_step: bool = True
     fixed_internal_step_size: float | None = None
     has_event_mode: bool = False

@@ -8,12 +8,11 @@ size below 0, say) are left out and told.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from harness.fmi.description.additions import read_layered_standards, read_terminals
 from harness.fmi.description.capabilities import capabilities, experiment, judge_name
 from harness.fmi.description.definitions import read_types, read_units
-from harness.fmi.description.document import model_description_root, schema_faults
+from harness.fmi.description.document import Document, model_description_root, schema_faults
 from harness.fmi.description.faults import Fault, Harm, notes
 from harness.fmi.description.model_description import MAX_ELEMENTS, ModelDescription, Variable
 from harness.fmi.description.numbers import integer
@@ -36,20 +35,20 @@ def read_model_description(
     what it means.
     """
     root = model_description_root(folder, source)
-    faults = list(schema_faults(root))
-    described = _described(root, folder, faults)
-    faults += circle_faults(described.variables)
-    notes(faults, source, validate)
-    return described, tuple(faults)
+    document = Document(root, list(schema_faults(root)))
+    described = _described(document, folder)
+    document.faults.extend(circle_faults(described.variables))
+    notes(document.faults, source, validate)
+    return described, tuple(document.faults)
 
 
-def _described(root: Any, folder: Path, faults: list[Fault]) -> ModelDescription:
-    major = int(root.get("fmiVersion")[0])
-    judge_name(root, "modelName", faults)
-    units, display_units = read_units(root, major, faults)
-    reader = VariableReader(root, major, dict(read_types(root)), display_units, faults)
+def _described(document: Document, folder: Path) -> ModelDescription:
+    root, major = document.root, document.major
+    judge_name(document, root, "modelName")
+    units, display_units = read_units(document)
+    reader = VariableReader(document, dict(read_types(root)), display_units)
     variables = reader.variables()
-    unknowns = tuple(read_unknowns(root, major, reader.numbered, faults))
+    unknowns = tuple(read_unknowns(document, reader.numbered))
     of_outputs = feedthrough(unknowns, "Output", variables)
     initial = feedthrough(unknowns, "InitialUnknown", variables)
     rates = [variables[u.variable] for u in unknowns if u.kind == "ContinuousStateDerivative"]
@@ -60,33 +59,32 @@ def _described(root: Any, folder: Path, faults: list[Fault]) -> ModelDescription
         token=root.get("instantiationToken" if major == 3 else "guid", ""),
         description=root.get("description", ""),
         generation_tool=root.get("generationTool", ""),
-        co_simulation=capabilities(root, major, "CoSimulation", faults),
-        model_exchange=capabilities(root, major, "ModelExchange", faults),
-        scheduled_execution=capabilities(root, major, "ScheduledExecution", faults),
+        co_simulation=capabilities(document, "CoSimulation"),
+        model_exchange=capabilities(document, "ModelExchange"),
+        scheduled_execution=capabilities(document, "ScheduledExecution"),
         variables=variables,
         units=units,
         feedthrough=direct_dependencies(root, variables) if major == 1 else of_outputs,
         states=tuple((v.derivative_of, v.name) for v in rates if v.derivative_of is not None),
-        **experiment(root.find("DefaultExperiment"), faults),
+        **experiment(document),
         initial_feedthrough={n: names for n, names in initial.items() if names is not None},
-        number_of_event_indicators=_count(root, "EventIndicators", indicators, faults),
-        number_of_continuous_states=_count(root, "ContinuousStates", rates, faults),
+        number_of_event_indicators=_count(document, "EventIndicators", indicators),
+        number_of_continuous_states=_count(document, "ContinuousStates", rates),
         display_units=display_units,
         event_indicators=tuple(v.name for v in indicators),
         structured_names=root.get("variableNamingConvention") == "structured",
         unknowns=unknowns,
-        terminals=tuple(read_terminals(folder, variables, faults)),
-        layered_standards=tuple(read_layered_standards(folder, faults)),
+        terminals=tuple(read_terminals(folder, variables, document.faults)),
+        layered_standards=tuple(read_layered_standards(folder, document.faults)),
     )
 
 
-def _count(root: Any, what: str, unknowns: list[Variable], faults: list[Fault]) -> int:
+def _count(document: Document, what: str, unknowns: list[Variable]) -> int:
     """How many states or event indicators there are, each element of an array one."""
-    stated = {"1": ("ContinuousStates", "EventIndicators"), "2": ("EventIndicators",)}
-    if what not in stated.get(root.get("fmiVersion")[0], ()):
+    if document.major == 3 or (document.major == 2 and what == "ContinuousStates"):
         return sum(v.size for v in unknowns)
-    count = integer(root.get(f"numberOf{what}")) or 0
+    count = integer(document.root.get(f"numberOf{what}")) or 0
     if not 0 <= count <= MAX_ELEMENTS:
         text = f"says numberOf{what}={count}; at most {MAX_ELEMENTS} can be held"
-        faults.append(Fault(Harm.FORBIDDEN, text, root.sourceline or 0))
+        document.tell(document.root, text, Harm.FORBIDDEN)
     return count

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
+from harness.fmi.description.document import Document
 from harness.fmi.description.entries import Entry
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import Unknown, Variable
@@ -17,44 +18,52 @@ _KINDS = {
     "InitialUnknowns": "InitialUnknown",
 }  # fmt: skip
 """What FMI 2 calls the lists, and FMI 3 their elements."""
+_REFERENCE = {2: "index", 3: "valueReference"}
 
 
-def read_unknowns(
-    root: Any, major: int, numbered: Mapping[int, Entry], faults: list[Fault]
-) -> Iterator[Unknown]:
+def read_unknowns(document: Document, numbered: Mapping[int | None, Entry]) -> Iterator[Unknown]:
     """All unknowns in the order of the document. `numbered` are the variables by position
-    (FMI 2) or value reference (FMI 3); references that lead nowhere become `faults`."""
-    attribute = "index" if major == 2 else "valueReference"
-    for kind, element in _elements(root, major):
-
-        def named(text: str | None, line: int = element.sourceline or 0) -> str | None:
-            found = numbered.get(-1 if integer(text) is None else int(text or ""))
-            if found is None:
-                what, known = shorten(str(text)), f"has the numbers 1 to {len(numbered)}"
-                wrong = f"refers to variable number {what} in its ModelStructure, but {known}"
-                if major == 3:
-                    wrong = f"refers to value reference {what} in its ModelStructure, which no "
-                    wrong += "variable has"
-                faults.append(Fault(Harm.AMBIGUOUS, wrong, line))
-            return None if found is None else found.name
-
-        variable = named(element.get(attribute))
-        given, kinds = element.get("dependencies"), element.get("dependenciesKind")
-        names = None if given is None else tuple(filter(None, map(named, given.split())))
+    (FMI 2) or value reference (FMI 3); references that lead nowhere are told."""
+    for kind, element in _elements(document):
+        variable, *_ = _named(document, element, _REFERENCE[document.major], numbered) or (None,)
+        dependencies = _named(document, element, "dependencies", numbered)
+        kinds = element.get("dependenciesKind")
         if variable is not None:
             yield Unknown(
-                kind, variable, names, None if kinds is None else tuple(kinds.split()),
+                kind, variable, dependencies, None if kinds is None else tuple(kinds.split()),
                 element.sourceline or 0,
             )  # fmt: skip
 
 
-def _elements(root: Any, major: int) -> Iterator[tuple[str, Any]]:
-    structure = root.find("ModelStructure")
-    for element in structure.iterchildren("*") if structure is not None and major > 1 else ():
-        if major == 3:
-            yield str(element.tag), element
-        elif element.tag in _KINDS:
-            yield from ((_KINDS[element.tag], one) for one in element.iterchildren("Unknown"))
+def _named(
+    document: Document, element: Any, attribute: str, numbered: Mapping[int | None, Entry]
+) -> tuple[str, ...] | None:
+    """The variables to which an attribute refers, None where there is no such attribute."""
+    text = element.get(attribute)
+    if text is None:
+        return None
+    found = []
+    for item in text.split():
+        variable = numbered.get(integer(item))
+        if variable is not None:
+            found.append(variable.name)
+            continue
+        if document.major == 2:
+            what = f"variable number {shorten(item)} in its ModelStructure, but has the numbers 1 "
+            what += f"to {len(numbered)}"
+        else:
+            what = f"value reference {shorten(item)} in its ModelStructure, which no variable has"
+        document.tell(element, f"refers to {what}", Harm.AMBIGUOUS)
+    return tuple(found)
+
+
+def _elements(document: Document) -> Iterator[tuple[str, Any]]:
+    if document.major == 3:
+        yield from ((str(one.tag), one) for one in document.root.iterfind("ModelStructure/*"))
+    elif document.major == 2:
+        for group in document.root.iterfind("ModelStructure/*"):
+            kind = _KINDS.get(group.tag)
+            yield from ((kind, one) for one in group.iterchildren("Unknown") if kind)
 
 
 def direct_dependencies(

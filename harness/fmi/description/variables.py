@@ -11,18 +11,8 @@ from dataclasses import replace
 from math import prod
 from typing import Any
 
-from harness.fmi.description.entries import (
-    TYPES,
-    Entry,
-    Judge,
-    bases,
-    duration,
-    limits,
-    nominal_value,
-    spaced,
-    start_texts,
-    start_value,
-)
+from harness.fmi.description.document import Document
+from harness.fmi.description.entries import TYPES, Entry, bases, read_entries, spaced
 from harness.fmi.description.faults import Fault, Harm, quoted
 from harness.fmi.description.model_description import (
     MAX_ELEMENTS,
@@ -53,7 +43,7 @@ _INITIAL: Mapping[str, Mapping[str, tuple[str | None, ...]]] = {
 
 
 class VariableReader:
-    """Reads all variables; `faults` grows while it does.
+    """Reads all variables of a document.
 
     `numbered` are those by position (FMI 2) or value reference (FMI 3), by which other parts of
     the document refer to variables.
@@ -61,25 +51,22 @@ class VariableReader:
 
     def __init__(
         self,
-        root: Any,
-        major: int,
+        document: Document,
         types: Mapping[str, Mapping[str, Any]],
         units: Mapping[str, Mapping[str, DisplayUnit]],
-        faults: list[Fault],
     ) -> None:
-        self._major, self._units = major, units
-        self._judge = Judge(major, faults)
-        entries = self._judge.entries(root, types)
+        self._document, self._major, self._units = document, document.major, units
+        entries = read_entries(document, types)
         self.entries = tuple(entries.values())
-        by_reference: dict[int, Entry] = {}
+        by_reference: dict[int | None, Entry] = {}
         for one in self.entries:
             other = by_reference.setdefault(one.reference, one)
-            if major == 3 and other is not one:
+            if self._major == 3 and other is not one:
                 what = f"and {quoted(other.name)} with the same value reference {one.reference}"
-                self._judge.tell(one, what, Harm.AMBIGUOUS, "unique reference")
-        self.numbered = entries if major == 2 else by_reference
-        self._bases = bases(self.entries) if major < 3 else {}
-        self._known: dict[tuple[Any, ...], Details] = {}
+                one.tell(what, Harm.AMBIGUOUS, "unique reference")
+        self.numbered = entries if self._major == 2 else by_reference
+        self._bases = bases(self.entries) if self._major < 3 else {}
+        self._known: dict[Details, Details] = {}
 
     def variables(self) -> dict[str, Variable]:
         """All variables by name, the aliases of FMI 3 last."""
@@ -90,12 +77,12 @@ class VariableReader:
         for one, variable in made:
             if variable.name in found:
                 text = f'has the variable name "{shorten(variable.name)}" twice: it is not unique'
-                self._judge.say(one, text, Harm.AMBIGUOUS, "unique name")
+                self._document.tell(one.element, text, Harm.AMBIGUOUS, "unique name")
             found[variable.name] = variable
         self._judge_sizes(found)
         if self._major == 3 and sum(v.causality == "independent" for v in found.values()) != 1:
             text, cited = "has not one independent variable", rule("independent", 3)
-            self._judge.faults.append(Fault(Harm.NONE, text, rule=cited))
+            self._document.faults.append(Fault(Harm.NONE, text, rule=cited))
         if self._major == 2:
             self._judge_inputs(found)
         return found
@@ -108,7 +95,7 @@ class VariableReader:
         size = prod(shape)
         real = one.type in REAL_TYPES
         unit = one.get("unit") if real else None
-        low, high = limits(one, self._judge)
+        low, high = one.limits()
         return Variable(
             name=one.name,
             value_reference=one.reference,
@@ -116,12 +103,12 @@ class VariableReader:
             causality=causality,
             variability=variability,
             initial=initial,
-            start=start_value(one, size, causality, initial, self._judge),
+            start=one.start(size, causality, initial),
             unit=unit,
             description=one.own.get("description", ""),
             minimum=low,
             maximum=high,
-            nominal=nominal_value(one, self._judge) if real else None,
+            nominal=one.nominal() if real else None,
             size=size,
             derivative_of=self._named(one, "derivative") if real else None,
             shape=shape,
@@ -144,7 +131,7 @@ class VariableReader:
         if variability == "continuous" and one.type not in REAL_TYPES:
             if stated:
                 what = f'of type {one.type}, which must have variability != "continuous"'
-                self._judge.tell(one, what, key="continuous")
+                one.tell(what, key="continuous")
             variability = "discrete"
         return causality, variability
 
@@ -158,7 +145,7 @@ class VariableReader:
             harm = Harm.AMBIGUOUS if causality == "input" and allowed is None else Harm.NONE
             what = f'with causality="{shorten(causality)}" and variability="{shorten(variability)}"'
             what += f' and initial="{initial}"' * (allowed is not None) + ", which is not allowed"
-            self._judge.tell(one, what, harm, "combination")
+            one.tell(what, harm, "combination")
         return initial
 
     def _dimensions(self, one: Entry) -> Iterator[tuple[int, int | str]]:
@@ -171,13 +158,13 @@ class VariableReader:
             if reference is not None:
                 size, given, wrong = self._dimension(reference)
             if size is None or given is None or size < 0:
-                self._judge.tell(one, wrong, Harm.FORBIDDEN)
+                one.tell(wrong, Harm.FORBIDDEN)
             else:
                 yield size, given
 
     def _dimension(self, reference: str) -> tuple[int | None, str, str]:
         """The size that a structural parameter states, its name, and what is wrong otherwise."""
-        source = self.numbered.get(-1 if integer(reference) is None else int(reference))
+        source = self.numbered.get(integer(reference))
         if source is None:
             wrong = f"with a dimension given by {shorten(reference)}, which no variable has"
             return None, "", wrong
@@ -195,7 +182,7 @@ class VariableReader:
     def _references(self, one: Entry, attribute: str, text: str) -> Iterator[str]:
         wanted = {"derivative": REAL_TYPES, "clocks": {"Clock"}}.get(attribute, TYPES)
         for item in text.split():
-            target = self.numbered.get(-1 if integer(item) is None else int(item))
+            target = self.numbered.get(integer(item))
             if target is not None and target.type in wanted:
                 yield target.name
                 continue
@@ -205,55 +192,51 @@ class VariableReader:
                 wrong = f"the {attribute} of variable {shorten(item)}, of {len(self.numbered)}"
             else:
                 wrong = f"{attribute}={shorten(item)}, which no variable has"
-            self._judge.tell(one, f"with {wrong}", Harm.AMBIGUOUS)
+            one.tell(f"with {wrong}", Harm.AMBIGUOUS)
 
     def _details(self, one: Entry, unit: str | None) -> Details:
-        get, own = one.get, one.own
+        get, own, value = one.get, one.own, one.value
         base = self._bases.get(one.base, one.name)
-        starts = start_texts(one, self._major) if one.type in ("String", "Binary") else ()
-        found: dict[str, Any] = {
-            "alias_of": None if base == one.name else base,
-            "negated": self._major == 1 and own.get("alias") == "negatedAlias",
-            "relative": boolean(get("relativeQuantity")),
-            "display_unit": get("displayUnit"),
-            "declared_type": one.value.get("declaredType"),
-            "starts": starts,
-            "items": one.declared.get("items", ()),
-            "has_start": bool(starts) or "start" in one.value,
-            "multiple_sets": boolean(own.get("canHandleMultipleSetPerTimeInstant", "true")),
-            "reinit": boolean(one.value.get("reinit")),
+        starts = one.start_texts()
+        self._judge_unit(one, unit, get("displayUnit"))
+        made = Details(
+            alias_of=None if base == one.name else base,
+            negated=self._major == 1 and own.get("alias") == "negatedAlias",
+            relative=boolean(get("relativeQuantity")),
+            display_unit=get("displayUnit"),
+            declared_type=value.get("declaredType"),
+            starts=starts,
+            items=one.declared.get("items", ()),
+            has_start=bool(starts) or "start" in value,
+            multiple_sets=boolean(own.get("canHandleMultipleSetPerTimeInstant", "true")),
+            reinit=boolean(value.get("reinit")),
+            **(self._of_clocked(one) if self._major == 3 else {}),
+            **(_of_clock(one) if one.type == "Clock" else {}),
+        )
+        return self._known.setdefault(made, made)
+
+    def _of_clocked(self, one: Entry) -> dict[str, Any]:
+        return {
+            "clocks": tuple(self._references(one, "clocks", one.own.get("clocks", ""))),
+            "previous": self._named(one, "previous"),
+            "intermediate_update": boolean(one.own.get("intermediateUpdate")),
         }
-        self._judge_unit(one, unit, found["display_unit"])
-        if self._major == 3:
-            found["clocks"] = tuple(self._references(one, "clocks", own.get("clocks", "")))
-            found["previous"] = self._named(one, "previous")
-            found["intermediate_update"] = boolean(own.get("intermediateUpdate"))
-        if one.type == "Clock":
-            found["interval_variability"] = get("intervalVariability")
-            found["interval"] = duration(one, "interval", self._judge)
-            found["shift"] = duration(one, "shift", self._judge) or 0.0
-            found["can_be_deactivated"] = boolean(get("canBeDeactivated"))
-            found["priority"] = integer(get("priority"))
-        key = tuple(found.values())
-        if key not in self._known:
-            self._known[key] = Details(**found)
-        return self._known[key]
 
     def _judge_unit(self, one: Entry, unit: str | None, display_unit: str | None) -> None:
         if self._major == 1:
             return
         if unit is not None and unit not in self._units:
-            self._judge.tell(one, f"with the unit {quoted(unit)}, which is not defined", key="unit")
+            one.tell(f"with the unit {quoted(unit)}, which is not defined", key="unit")
         elif display_unit is not None and display_unit not in self._units.get(unit or "", {}):
             what = f"with the display unit {quoted(display_unit)}, which is not defined"
-            self._judge.tell(one, what, key="display unit")
+            one.tell(what, key="display unit")
 
     def _aliases(self, one: Entry, variable: Variable) -> Iterator[Variable]:
         """The other names of a variable of FMI 3."""
         for alias in one.element.iterchildren("Alias"):
             name = spaced(alias.get("name", ""))
             if has_control_characters(name):
-                self._judge.tell(one, f"and {quoted(name)} with control characters", Harm.FORBIDDEN)
+                one.tell(f"and {quoted(name)} with control characters", Harm.FORBIDDEN)
             shown = alias.get("displayUnit")
             if shown is not None:
                 self._judge_unit(one, variable.unit, shown)
@@ -267,7 +250,7 @@ class VariableReader:
             largest = max(variables.values(), key=lambda v: v.size)
             text = f"says that {quoted(largest.name)} has {largest.size} elements, and all arrays "
             text += f"{total}; at most {MAX_ELEMENTS} can be held"
-            self._judge.faults.append(Fault(Harm.FORBIDDEN, text))
+            self._document.faults.append(Fault(Harm.FORBIDDEN, text))
 
     def _judge_inputs(self, variables: Mapping[str, Variable]) -> None:
         """FMI 2: one value reference of one type is one value, so it can have one source only."""
@@ -278,4 +261,14 @@ class VariableReader:
                 if other.name != one.name:
                     text = f"has the inputs {quoted(other.name)} and {quoted(one.name)} with the "
                     text += f"same value reference {one.reference}, so that one would overwrite "
-                    self._judge.say(one, text + "the other", Harm.AMBIGUOUS)
+                    self._document.tell(one.element, text + "the other", Harm.AMBIGUOUS)
+
+
+def _of_clock(one: Entry) -> dict[str, Any]:
+    return {
+        "interval_variability": one.get("intervalVariability"),
+        "interval": one.duration("interval"),
+        "shift": one.duration("shift") or 0.0,
+        "can_be_deactivated": boolean(one.get("canBeDeactivated")),
+        "priority": integer(one.get("priority")),
+    }

@@ -38,6 +38,12 @@ def test_the_other_checks_go_on(tmp_path: Path, behaviour: str, words: str) -> N
     assert len(found.findings) >= 9
 
 
+def test_no_deadline_is_too_short_for_a_process_to_start(tmp_path: Path) -> None:
+    found = examine(hostile_fmu(tmp_path, fmi=2), deadline=0.001)
+    assert {f.check for f in found.findings} >= {"runs", "resets", "survives 200 instances"}
+    assert "no end within 0.001 s" in failures(found)["survives 200 instances"].detail
+
+
 def test_an_fmu_that_dies_while_it_loads_fails_every_check(tmp_path: Path) -> None:
     found = examine(hostile_fmu(tmp_path, "load segfault"), deadline=5.0)
     asked = [f for f in found.findings if f.verdict is not Verdict.NOT_OFFERED]

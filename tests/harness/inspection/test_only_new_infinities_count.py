@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from harness.inspection.finite import not_finite
+from harness.inspection.rows import not_finite
 
 SUBJECT: Any = SimpleNamespace(
     labels=("y", "limits", "limits", "x"),
