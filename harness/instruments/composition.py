@@ -10,11 +10,10 @@ from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError, SimulationError
-from harness.instruments.checks import Number, Signal, Signals, Time, check_signal, label
+from harness.instruments.checks import Number, OneSignal, Signal, Signals, Time, label, require
 from harness.instruments.source import (
     FunctionSampler,
     Sampler,
-    SignalSource,
     Times,
     Values,
     child_seed,
@@ -27,14 +26,9 @@ class Function(Signal, kind="function"):
 
     function: Callable[[float], float]
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if not callable(self.function):
-            raise ExperimentError(
-                f"{label(self)}: 'function' must be a Python callable, got {self.function!r}; "
-                "in an experiment file take another kind, such as 'csv'"
-            )
+    def _settle(self) -> None:
+        hint = "; in an experiment file take another kind, such as 'csv'"
+        require(self, "function", callable(self.function), "be a Python callable", hint)
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Calls the function once an instant; its exception becomes a `SimulationError`."""
@@ -59,17 +53,11 @@ class Sum(Signal, kind="sum"):
     """The sum of `signals`; each has a random stream of its own. Units that the parts state must
     be the same."""
 
-    signals: tuple[SignalSource, ...]
+    signals: Signals
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if not isinstance(self.signals, tuple) or not self.signals:
-            raise ExperimentError(
-                f"{label(self)}: 'signals' must hold at least one signal, got {self.signals!r}"
-            )
-        for one in self.signals:
-            check_signal(self, one)
+    def _settle(self) -> None:
+        legal = isinstance(self.signals, tuple) and len(self.signals) > 0
+        require(self, "signals", legal, "hold at least one signal")
         units = {one.unit for one in (self, *self.signals) if one.unit is not None}
         if len(units) > 1:
             raise ExperimentError(
@@ -92,7 +80,7 @@ class Sum(Signal, kind="sum"):
 class Scaled(Signal, kind="scaled"):
     """gain·s(t) + offset, for a signal s; `unit` is that of the result."""
 
-    signal: Signals
+    signal: OneSignal
     gain: Number = 1.0
     offset: Number = 0.0
 
@@ -109,14 +97,12 @@ class Windowed(Signal, kind="windowed"):
     The signal runs all the time: opening the window later leaves its random values as they were.
     """
 
-    signal: Signals
+    signal: OneSignal
     start_time: Time = 0.0
     end_time: Time | None = None
     outside: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         if self.unit is None:
             object.__setattr__(self, "unit", self.signal.unit)
 

@@ -56,9 +56,7 @@ class UniformNoise(Signal, kind="uniform"):
     low: Number
     high: Number
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_order(self, "low", "high")
 
     def sampler(self, seed: SeedSequence) -> Sampler:
@@ -82,12 +80,8 @@ class HeavyTailedNoise(Signal, kind="heavy_tailed_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws mean + scale·τ."""
-        student = generator(seed).standard_t
-
-        def draw(times_ns: Times) -> Values:
-            return self.mean + self.scale * student(self.dof, len(times_ns))
-
-        return FunctionSampler(draw)
+        mean, scale, student = self.mean, self.scale, generator(seed).standard_t
+        return FunctionSampler(lambda times_ns: mean + scale * student(self.dof, len(times_ns)))
 
 
 @dataclass(frozen=True)
@@ -118,11 +112,9 @@ class ContaminatedNoise(Signal, kind="contaminated_noise"):
 
 @dataclass
 class HeldNoiseSampler:
-    """Normal values on a grid of `period` (ns) that begins at the first instant, held between."""
+    """Normal values on the grid of `noise`, which begins at the first instant, held between."""
 
-    std: float
-    mean: float
-    period: int
+    noise: BandLimitedNoise
     random: Generator
     first: int | None = None
     drawn: int = 0
@@ -134,9 +126,10 @@ class HeldNoiseSampler:
             return np.empty(0)
         if self.first is None:
             self.first = int(times_ns[0])
-        index = (times_ns - self.first) // self.period
+        index = (times_ns - self.first) // nearest_nanosecond(self.noise.sample_time)
         fresh = int(index[-1]) + 1 - self.drawn
-        values = self.mean + self.std * self.random.standard_normal(fresh)
+        std = math.sqrt(self.noise.power / self.noise.sample_time)
+        values = self.noise.mean + std * self.random.standard_normal(fresh)
         known = np.concatenate(([self.last], values))
         held = known[index - self.drawn + 1]
         self.drawn += fresh
@@ -159,19 +152,14 @@ class BandLimitedNoise(Signal, kind="band_limited_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the value in force."""
-        std = math.sqrt(self.power / self.sample_time)
-        return HeldNoiseSampler(
-            std, float(self.mean), nearest_nanosecond(self.sample_time), generator(seed)
-        )
+        return HeldNoiseSampler(self, generator(seed))
 
 
 @dataclass
 class LowPassNoiseSampler:
     """The recursion of `LowPassNoise`, instant by instant."""
 
-    std: float
-    mean: float
-    omega: float
+    noise: LowPassNoise
     random: Generator
     previous: int | None = None
     value: float = 0.0
@@ -182,17 +170,18 @@ class LowPassNoiseSampler:
             return np.empty(0)
         before = times_ns[0] if self.previous is None else self.previous
         gaps = seconds_of(np.diff(times_ns, prepend=before))
-        decay = [math.exp(-self.omega * gap) for gap in gaps.tolist()]
+        omega = 2.0 * math.pi * self.noise.bandwidth
+        decay = [math.exp(-omega * gap) for gap in gaps.tolist()]
         if self.previous is None:
             decay[0] = 0.0
         values = np.empty(len(times_ns))
         x = self.value
-        for index, normal in enumerate(self.random.standard_normal(len(times_ns)).tolist()):
-            a = decay[index]
+        normals = self.random.standard_normal(len(times_ns)).tolist()
+        for index, (a, normal) in enumerate(zip(decay, normals, strict=True)):
             x = a * x + math.sqrt(1.0 - a * a) * normal
             values[index] = x
         self.value, self.previous = x, int(times_ns[-1])
-        return self.mean + self.std * values
+        return self.noise.mean + self.noise.std * values
 
 
 @dataclass(frozen=True)
@@ -210,5 +199,4 @@ class LowPassNoise(Signal, kind="low_pass_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the last instant and value."""
-        omega = 2.0 * math.pi * self.bandwidth
-        return LowPassNoiseSampler(float(self.std), float(self.mean), omega, generator(seed))
+        return LowPassNoiseSampler(self, generator(seed))

@@ -11,7 +11,6 @@ from numpy.random import SeedSequence
 from numpy.typing import NDArray
 
 from harness.clock import nearest_nanosecond
-from harness.errors import ExperimentError
 from harness.instruments.checks import (
     Duration,
     Number,
@@ -19,34 +18,20 @@ from harness.instruments.checks import (
     Time,
     Waveform,
     check_number,
+    check_order,
     check_whole,
-    label,
 )
 from harness.instruments.source import FunctionSampler, Sampler, Times, Values, generator
 
 OpenShare = Annotated[float, partial(check_number, above=0.0, below=1.0)]
 
-# Exponents of a primitive polynomial over GF(2) of each order: the register then runs through
-# all 2^order − 1 states that are not zero.
-PRIMITIVE_TAPS: dict[int, tuple[int, ...]] = {
-    3: (3, 2),
-    4: (4, 3),
-    5: (5, 3),
-    6: (6, 5),
-    7: (7, 6),
-    8: (8, 6, 5, 4),
-    9: (9, 5),
-    10: (10, 7),
-    11: (11, 9),
-    12: (12, 6, 4, 1),
-    13: (13, 4, 3, 1),
-    14: (14, 5, 3, 1),
-    15: (15, 14),
-    16: (16, 15, 13, 4),
-}
-RegisterOrder = Annotated[
-    int, partial(check_whole, low=min(PRIMITIVE_TAPS), high=max(PRIMITIVE_TAPS))
-]
+# Exponents of a primitive polynomial over GF(2) of each order but the highest and 0: the register
+# then runs through all 2^order − 1 states that are not zero.
+TAPS: dict[int, list[int]] = {
+    3: [1], 4: [1], 5: [2], 6: [1], 7: [1], 8: [2, 3, 4], 9: [4], 10: [3], 11: [2], 12: [6, 8,
+    11], 13: [9, 10, 12], 14: [9, 11, 13], 15: [1], 16: [1, 3, 12],
+}  # fmt: skip
+RegisterOrder = Annotated[int, partial(check_whole, low=min(TAPS), high=max(TAPS))]
 
 
 @dataclass(frozen=True)
@@ -60,14 +45,8 @@ class Pulse(Waveform, kind="pulse"):
     period: Duration | None = None
     bias: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if self.period is not None and self.width > self.period:
-            raise ExperimentError(
-                f"{label(self)}: 'width' must be at most 'period' {self.period!r}, "
-                f"got {self.width!r}"
-            )
+    def _settle(self) -> None:
+        check_order(self, "width", "period")
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
@@ -102,15 +81,9 @@ class Square(Waveform, kind="square"):
 
 def maximal_length_bits(order: int) -> NDArray[np.int8]:
     """One period, 2^order − 1 bits, of the linear feedback shift register of this order."""
-    taps = PRIMITIVE_TAPS[order]
-    register = (1 << order) - 1
-    bits = np.empty((1 << order) - 1, dtype=np.int8)
-    for index in range(len(bits)):
-        bits[index] = register & 1
-        feedback = 0
-        for tap in taps:
-            feedback ^= register >> (order - tap)
-        register = (register >> 1) | ((feedback & 1) << (order - 1))
+    from scipy.signal import max_len_seq
+
+    bits: NDArray[np.int8] = max_len_seq(order, taps=TAPS[order])[0]
     return bits
 
 

@@ -16,13 +16,15 @@ from harness.instruments.checks import (
     Duration,
     NotNegative,
     Number,
+    Numbers,
     Time,
     Waveform,
     check_choice,
     check_number,
     check_one_of,
-    is_number,
+    check_order,
     label,
+    require,
 )
 from harness.instruments.source import Times, Values
 
@@ -52,34 +54,25 @@ class Step(Waveform, kind="step"):
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
         edge = nearest_nanosecond(self.time)
-        low, high = float(self.initial), float(self.final)
-        return np.where(times_ns >= edge, high, low)
+        return np.where(times_ns >= edge, float(self.final), float(self.initial))
 
 
 @dataclass(frozen=True)
 class MultiStep(Waveform, kind="multi_step"):
     """`values[i]` from `times[i]` (s) on, `initial` before the first of them."""
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: Numbers
+    values: Numbers
     initial: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        for name in ("times", "values"):
-            given = getattr(self, name)
-            if not isinstance(given, tuple) or not all(map(is_number, given)):
-                raise ExperimentError(f"{label(self)}: {name!r} must hold numbers, got {given!r}")
+    def _settle(self) -> None:
         if len(self.times) != len(self.values) or not self.times:
             raise ExperimentError(
                 f"{label(self)}: 'times' and 'values' must be of one length, at least 1, got "
                 f"{len(self.times)} and {len(self.values)}"
             )
-        if np.any(np.diff(self._edges) <= 0):
-            raise ExperimentError(
-                f"{label(self)}: 'times' must increase by at least 1 ns, got {self.times!r}"
-            )
+        rising = bool(np.all(np.diff(self._edges) > 0))
+        require(self, "times", rising, "increase by at least 1 ns")
 
     @cached_property
     def _edges(self) -> Times:
@@ -104,14 +97,8 @@ class Ramp(Waveform, kind="ramp"):
     end_time: Time | None = None
     initial: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if self.end_time is not None and self.end_time < self.start_time:
-            raise ExperimentError(
-                f"{label(self)}: 'end_time' must not be before 'start_time' "
-                f"{self.start_time!r}, got {self.end_time!r}"
-            )
+    def _settle(self) -> None:
+        check_order(self, "start_time", "end_time")
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
@@ -132,17 +119,13 @@ class Sine(Waveform, kind="sine"):
     phase: Number = 0.0
     bias: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_one_of(self, "frequency", "angular_frequency")
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        omega = self.angular_frequency
-        if omega is None:
-            assert self.frequency is not None
-            omega = TWO_PI * self.frequency
+        given = self.angular_frequency
+        omega = TWO_PI * (self.frequency or 0.0) if given is None else given
         return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
 
 
@@ -166,9 +149,7 @@ class Chirp(Waveform, kind="chirp"):
     phase: Number = 0.0
     bias: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         if self.sweep == "logarithmic":
             check_number(self, "start_frequency", above=0.0)
             check_number(self, "end_frequency", above=0.0)
