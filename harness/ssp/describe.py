@@ -15,7 +15,7 @@ from harness.fmi.description.model_description import (
 from harness.fmi.start_values import find_target, judge_start_values
 from harness.ssp.common import KINDS, BaseUnit, DataType, Dimension, UnitDefinition
 from harness.ssp.document import Connector, ParameterBinding
-from harness.ssp.lexical import write_boolean, write_double
+from harness.ssp.lexical import FORMS
 from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
 from harness.ssp.ports import unit_of
 from harness.system.graph import Endpoint
@@ -123,18 +123,18 @@ def _parameters(
         assert target is not None, "it was judged"
         kind = target[0].type
         given = value if isinstance(value, list) else [value]
-        tag = f"ssv:{_kind(kind if kind != 'Enumeration' else 'Int32', version)}"
+        written = _kind(kind if kind != "Enumeration" else "Int32", version)
         if kind == "Binary":
             raise ExperimentError(
                 f"component {name}: start value of {key!r} is a binary, which this export cannot "
                 "write; numbers, booleans, texts and enumerations it can"
             )
         several = (Dimension(size=len(given)),) if isinstance(value, list) else ()
-        yield Parameter(name=key, value=_value(tag, kind, given), dimensions=several)
+        yield Parameter(name=key, value=_value(written, given), dimensions=several)
 
 
-def _value(tag: str, kind: str, given: list[Any]) -> ParameterValue:
+def _value(kind: str, given: list[Any]) -> ParameterValue:
+    tag = f"ssv:{kind}"
     if kind == "String" and len(given) > 1:
         return ParameterValue(tag=tag, items=tuple(ValueItem(value=one) for one in given))
-    write = write_double if kind in REAL_TYPES else write_boolean if kind == "Boolean" else str
-    return ParameterValue(tag=tag, value=" ".join(map(write, given)))
+    return ParameterValue(tag=tag, value=" ".join(map(FORMS[KINDS[kind]].write, given)))

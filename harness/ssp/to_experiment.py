@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from warnings import warn
 
-from harness.errors import ExperimentError, UnitError
+from harness.errors import ExperimentError, UnitError, at
 from harness.experiment.experiment import Experiment, merge
 from harness.experiment.schema import (
     ConnectionSpec,
@@ -31,7 +31,7 @@ from harness.ssp.change import as_float
 from harness.ssp.common import LinearTransformation
 from harness.ssp.defaults import own_steps, times
 from harness.ssp.flatten import FlatWire, change_along, flat_wires
-from harness.ssp.package import Package, open_package
+from harness.ssp.package import Package, open_package, read_bytes
 from harness.ssp.ports import Ports
 from harness.ssp.settings import check_names, safe_name, settings_of
 from harness.ssp.start_values import start_values
@@ -77,7 +77,7 @@ def open_experiment(
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
             tree = build_tree(package, file, stack)
-            table = _Importer(package, file, tree, Ports(tree, describe), in_process).table()
+            table = _Importer(package, file, Ports(tree, describe), in_process).table()
             variants[names[file]] = merge(table, settings or {})
         first = next(iter(variants.values()))
         report = first.pop("report", {})
@@ -126,7 +126,6 @@ def _ordered(package: Package, names: Mapping[str, str]) -> list[str]:
 class _Importer:
     package: Package
     file: str
-    tree: Tree
     ports: Ports
     in_process: bool
 
@@ -140,18 +139,18 @@ class _Importer:
         top = settings_of(structure.annotations, TOP_SETTINGS, self.where)
         check_names(top, self.where)
         check_names(top.get("report", {}), self.where)
-        wires = flat_wires(self.tree, self.ports)
-        starts = start_values(self.tree, self.ports, wires)
-        names = flat_names(self.tree)
+        wires = flat_wires(self.ports)
+        starts = start_values(self.ports, wires)
+        names = flat_names(self.ports.tree)
         components = {
             names[node.path]: self._component(node, starts.get(node.path, {}))
-            for node in self.tree.fmus
+            for node in self.ports.tree.fmus
         }
         if not components:
             raise ExperimentError(f"{self.where} has no FMU to run")
         fmus = {
             names[node.path]: self.ports.describe(node.source)
-            for node in self.tree.fmus
+            for node in self.ports.tree.fmus
             if "fmu" in components[names[node.path]]
         }
         title = {"title": structure.system.description or structure.description or structure.name}
@@ -180,7 +179,8 @@ class _Importer:
             if not changed and not starts:
                 parameters = own.get("parameters")
                 if stands_for == "signal" and isinstance(parameters, dict) and "file" in parameters:
-                    file = self.package.resolve(str(parameters["file"]), place)
+                    with at(place):
+                        file = self.package.resolve(str(parameters["file"]))
                     own["parameters"] = {**parameters, "file": str(file)}
                 return own
             what = "its FMU was exchanged" if changed else "it has parameters of its own"
@@ -206,7 +206,7 @@ class _Importer:
             numbers: Table = {"factor": linear.factor, "offset": linear.offset}
             numbers["convert_units"] = not only.suppress_unit_conversion
             return made | _unless(numbers) | own
-        source = self.ports.port(wire.source, wire.edges[0].place)
+        source = self.ports.port(wire.source)
         change = change_along(wire.edges, self.ports, source.unit)
         if change.table:
             table = {"kind": "value_map", "table": [list(pair) for pair in change.table]}
@@ -217,7 +217,7 @@ class _Importer:
     def _as_the_harness_converts(self, wire: FlatWire) -> bool:
         """Whether the variables' units, which the harness knows, say what the connectors say."""
         edge = wire.edges[0]
-        said = [self.ports.port(end, edge.place).unit for end in (wire.source, wire.target)]
+        said = [self.ports.port(end).unit for end in (wire.source, wire.target)]
         known = [self.ports.variable_unit(end) for end in (wire.source, wire.target)]
         if edge.connection.suppress_unit_conversion:
             return True
@@ -250,7 +250,4 @@ def flat_names(tree: Tree) -> dict[TreePath, str]:
 
 def sha256(path: Path) -> str:
     """The hash of a file, in hexadecimal; raises `ExperimentError`."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as fault:
-        raise ExperimentError(f"{path} cannot be read: {fault}") from fault
+    return hashlib.sha256(read_bytes(path, str(path))).hexdigest()
