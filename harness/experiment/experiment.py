@@ -96,7 +96,7 @@ class Experiment:
             )
         changes = self._changes(variant)
         merged = changes
-        if not changes.pop("whole", False):
+        if not changes.pop("standalone", False):
             merged = merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
         return _checked(merged, self.path, f"variants.{variant}")
 

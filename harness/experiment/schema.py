@@ -126,13 +126,13 @@ class ConnectionSpec(Strict):
 
 class VariantSpec(BaseModel):
     """What a variant changes: any part of the file, merged table by table. `like` names another
-    variant whose changes it takes over first. One that is `whole` takes over nothing, and states
-    all of it."""
+    variant whose changes it takes over first. A `standalone` one takes over nothing, and states all
+    of it."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     label: str | None = None
     like: str | None = None
-    whole: bool = False
+    standalone: bool = False
 
 
 class MeasureSpec(Strict):
