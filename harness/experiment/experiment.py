@@ -14,16 +14,10 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from harness.bench import Bench
-from harness.errors import ExperimentError, HarnessError, nearest
+from harness.errors import ExperimentError, HarnessError, at, nearest
 from harness.experiment.faults import describe
 from harness.experiment.measures import custom, needed_signals, tracking
-from harness.experiment.schema import (
-    KINDS,
-    ControllerSpec,
-    ExperimentSpec,
-    FmuSpec,
-    SignalSpec,
-)
+from harness.experiment.schema import KINDS, ExperimentSpec
 from harness.master.prepared import Echo, PreparedSystem, StartValues
 from harness.master.run import Progress
 from harness.process.limits import Limits
@@ -118,33 +112,31 @@ class Experiment:
         spec = self.variant_spec(variant)
         settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
         bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
-        try:
+        with at(f"{self.path} ({variant})"):
             self._fill(bench, spec)
-        except HarnessError as fault:
-            raise ExperimentError(f"{self.path} ({variant}): {fault}") from fault
         return bench
 
     def _fill(self, bench: Bench, spec: ExperimentSpec) -> None:
+        """The methods of a bench are called as the kinds of components, and take their keys.
+        Files are named relative to the experiment file."""
         for name, c in spec.components.items():
-            if isinstance(c, FmuSpec):
-                is_path = c.fmu.endswith(".fmu")
-                source = self.path.parent / c.fmu if is_path else c.fmu
-                bench.fmu(name, source, step=c.step, start_values=c.start_values, **c.policy())
-            elif isinstance(c, ControllerSpec):
-                bench.controller(name, c.controller, sample_time=c.sample_time, phase=c.phase,
-                                 outputs=c.outputs, **c.parameters)  # fmt: skip
-            elif isinstance(c, SignalSpec):
-                bench.signal(name, c.signal, step=c.step, **self._with_paths(c.parameters))
-            else:
-                bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
+            given = c.model_dump(by_alias=True)
+            kind = next(kind for kind in KINDS if kind in given)
+            source, parameters = given.pop(kind), given.pop("parameters", {})
+            if kind == "fmu" and source.endswith(".fmu"):
+                source = self.path.parent / source
+            if kind == "signal" and isinstance(parameters.get("file"), str):
+                parameters["file"] = str(self.path.parent / parameters["file"])
+            add = getattr(bench, kind)
+            for key in parameters:
+                if key in inspect.signature(add).parameters:
+                    raise ExperimentError(
+                        f"component {name}: a parameter may not be called {key!r}; a {kind} has "
+                        "that key itself"
+                    )
+            add(name, source, **given, **parameters)
         for target, wire in spec.connections.items():
             bench.connect(wire.source, target, **wire.model_dump(exclude={"source"}))
-
-    def _with_paths(self, parameters: Table) -> Table:
-        """CSV files are named relative to the experiment file."""
-        if isinstance(parameters.get("file"), str):
-            return {**parameters, "file": str(self.path.parent / parameters["file"])}
-        return parameters
 
     def _check_names(self) -> None:
         spec = self.spec
