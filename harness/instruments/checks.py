@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import operator
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache, partial
 from numbers import Real
@@ -185,6 +185,12 @@ def _checks(kind: Any) -> list[tuple[str, Callable[[object, str], None], bool]]:
     ]
 
 
+def lacking(kind: type[Any], given: Container[str]) -> list[str]:
+    """The fields of a dataclass that have no default and are not `given`."""
+    needed = [one.name for one in fields(kind) if one.default is one.default_factory is MISSING]
+    return [name for name in needed if name not in given]
+
+
 def build(
     what: str, form: Any, known: Mapping[str, type[Any]], kind: str, given: Mapping[str, Any]
 ) -> Any:
@@ -206,10 +212,7 @@ def build(
     for key in given:
         if key not in keys:
             raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, keys)}")
-    missing = [
-        name for name, one in keys.items()
-        if one.default is one.default_factory is MISSING and name not in given
-    ]  # fmt: skip
+    missing = lacking(chosen, given)
     if missing:
         raise ExperimentError(
             f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are {', '.join(keys)}"

@@ -1,4 +1,4 @@
-"""Random signals: white, band-limited, low-pass, heavy-tailed, uniform.
+"""Random signals: white, band-limited, low-pass, heavy-tailed, uniform, binary.
 
 Each sampler draws its values in the order of the instants, so that cutting the instants into
 chunks changes nothing. Two parts of one signal never share a generator.
@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 from numpy.random import Generator, SeedSequence
+from numpy.typing import NDArray
 
 from harness.clock import nearest_nanosecond, seconds_of
 from harness.instruments.checks import (
@@ -21,6 +24,7 @@ from harness.instruments.checks import (
     Probability,
     Signal,
     check_order,
+    check_whole,
 )
 from harness.instruments.source import (
     FunctionSampler,
@@ -30,6 +34,14 @@ from harness.instruments.source import (
     child_seed,
     generator,
 )
+
+# Exponents of a primitive polynomial over GF(2) of each order but the highest and 0: the register
+# then runs through all 2^order − 1 states that are not zero.
+TAPS: dict[int, list[int]] = {
+    3: [1], 4: [1], 5: [2], 6: [1], 7: [1], 8: [2, 3, 4], 9: [4], 10: [3], 11: [2],
+    12: [6, 8, 11], 13: [9, 10, 12], 14: [9, 11, 13], 15: [1], 16: [1, 3, 12],
+}  # fmt: skip
+RegisterOrder = Annotated[int, partial(check_whole, low=min(TAPS), high=max(TAPS))]
 
 
 @dataclass(frozen=True)
@@ -200,3 +212,34 @@ class LowPassNoise(Signal, kind="low_pass_noise"):
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the last instant and value."""
         return LowPassNoiseSampler(self, generator(seed))
+
+
+def maximal_length_bits(order: int) -> NDArray[np.int8]:
+    """One period, 2^order − 1 bits, of the linear feedback shift register of this order."""
+    from scipy.signal import max_len_seq
+
+    bits: NDArray[np.int8] = max_len_seq(order, taps=TAPS[order])[0]
+    return bits
+
+
+@dataclass(frozen=True)
+class Prbs(Signal, kind="prbs"):
+    """bias ± amplitude by a maximal-length pseudo-random binary sequence, held for `bit_time` (s)
+    on a grid anchored at time 0.
+
+    It repeats after (2^order − 1)·bit_time and has autocorrelation amplitude² at lag 0 and
+    −amplitude²/(2^order − 1) at all others. The seed chooses where in the period it begins.
+    """
+
+    amplitude: Number
+    bit_time: Duration
+    order: RegisterOrder = 7
+    bias: Number = 0.0
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory whose place in the period comes from `seed`."""
+        high = maximal_length_bits(self.order) == 1
+        levels = self.bias + np.where(high, float(self.amplitude), -float(self.amplitude))
+        begin = int(generator(seed).integers(len(levels)))
+        bit = nearest_nanosecond(self.bit_time)
+        return FunctionSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])

@@ -29,6 +29,7 @@ from harness.instruments.checks import (
 from harness.instruments.source import Times, Values
 
 TWO_PI = 2.0 * math.pi
+OpenShare = Annotated[float, partial(check_number, above=0.0, below=1.0)]
 Sweep = Annotated[str, partial(check_choice, legal=("linear", "logarithmic"))]
 
 
@@ -171,3 +172,48 @@ class Chirp(Waveform, kind="chirp"):
         start = nearest_nanosecond(self.start_time)
         angle = self.angle(seconds_of(times_ns - start))
         return self.bias + self.amplitude * np.sin(angle + self.phase)
+
+
+@dataclass(frozen=True)
+class Pulse(Waveform, kind="pulse"):
+    """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
+    seconds where one is given."""
+
+    amplitude: Number
+    width: Duration
+    start_time: Time = 0.0
+    period: Duration | None = None
+    bias: Number = 0.0
+
+    def _settle(self) -> None:
+        check_order(self, "width", "period")
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
+        period = None if self.period is None else nearest_nanosecond(self.period)
+        low, high = float(self.bias), float(self.bias + self.amplitude)
+        elapsed = times_ns - start
+        within = elapsed if period is None else elapsed % period
+        return np.where((elapsed >= 0) & (within < width), high, low)
+
+
+@dataclass(frozen=True)
+class Square(Waveform, kind="square"):
+    """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
+    the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
+
+    amplitude: Number
+    period: Duration
+    duty: OpenShare = 0.5
+    start_time: Time = 0.0
+    bias: Number = 0.0
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
+        width = nearest_nanosecond(self.duty * self.period)
+        low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
+        elapsed = times_ns - start
+        waves = np.where(elapsed % period < width, high, low)
+        return np.where(elapsed >= 0, waves, float(self.bias))

@@ -21,7 +21,7 @@ from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
-from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
+from harness.ssp.describe import Describer, unit_change
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name, unique
@@ -105,8 +105,7 @@ class _Exporter:
         self.sources = {c.name: self._source(c) for c in self.system.components}
         self.descriptions = {name: describe_fmu(path) for name, path in self.sources.items()}
         newest = max(d.fmi_major for d in self.descriptions.values())
-        self.version = "2.0" if newest > 2 else "1.0"
-        self.units = Units()
+        self.describer = Describer("2.0" if newest > 2 else "1.0")
 
     def structure(self, *, first: bool) -> ssd.SystemStructure:
         spec, components = self.spec, self.system.components
@@ -121,11 +120,11 @@ class _Exporter:
         )
         return ssd.SystemStructure(
             namespaces=(OSP_NAMESPACE,),
-            version=self.version,
+            version=self.describer.version,
             name=self.variant,
             generation_tool="fmu-harness",
             system=root,
-            units=self.units.definitions(),
+            units=self.describer.units(),
             experiment=ssd.DefaultExperiment(
                 start_time=spec.start_time,
                 stop_time=spec.stop_time,
@@ -181,7 +180,7 @@ class _Exporter:
         given = self.spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
         bindings: tuple[ssd.ParameterBinding, ...] = ()
         if isinstance(c, graph.FmuComponent):
-            bindings = start_value_binding(c.name, c.start_values, description, self.version)
+            bindings = self.describer.start_value_binding(c.name, c.start_values, description)
             own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
         else:
             own = {**given, "fmu_sha256": sha256(source)}
@@ -197,7 +196,7 @@ class _Exporter:
             name=c.name,
             source=self.resources.add(f"{safe_name(c.name)}.fmu", source),
             implementation="CoSimulation",
-            connectors=connectors(description, used, self.version, self.units),
+            connectors=self.describer.connectors(description, used),
             bindings=bindings,
             annotations=annotation(own),
         )

@@ -12,18 +12,18 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import ClassVar
 from urllib.parse import unquote, urlsplit
 
 from harness.errors import ExperimentError, FmuError, nearest
+from harness.export.certificate import zip_entry
 from harness.fmi.archive.unpack import Archive
 from harness.ssp import binding
 from harness.ssp.binding import E
 from harness.ssp.document import SystemStructure
 
 DEFAULT = "SystemStructure.ssd"
-_STAMP = (1980, 1, 1, 0, 0, 0)
 
 
 class SspArchive(Archive):
@@ -112,9 +112,9 @@ def save_package(
     try:
         with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, structure in structures.items():
-                archive.writestr(_member(name), binding.write(structure))
+                archive.writestr(zip_entry(name), binding.write(structure))
             for name, source in resources.items():
-                with source.open("rb") as file, archive.open(_member(name), "w") as member:
+                with source.open("rb") as file, archive.open(zip_entry(name), "w") as member:
                     shutil.copyfileobj(file, member)
         made.replace(target)
     except OSError as fault:
@@ -131,13 +131,6 @@ def files_of(package: Package) -> dict[str, Path]:
         for name, path in sorted(found.items())
         if path.is_file() and name not in package.structures
     }
-
-
-def _member(name: str) -> zipfile.ZipInfo:
-    member = zipfile.ZipInfo(str(PurePosixPath(name)), _STAMP)
-    member.compress_type = zipfile.ZIP_DEFLATED
-    member.external_attr = 0o644 << 16
-    return member
 
 
 def read_document(kind: type[E], path: Path, where: str) -> E:

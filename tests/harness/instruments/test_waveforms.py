@@ -6,7 +6,7 @@ from numpy.random import SeedSequence
 
 from harness.errors import SimulationError
 from harness.instruments.composition import Function
-from harness.instruments.pulses import TAPS, Prbs
+from harness.instruments.noise import TAPS, Prbs
 from harness.instruments.source import SignalSource
 from harness.instruments.waveforms import Chirp, Sine
 
