@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import copy
 import inspect
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import ValidationError
-
 from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, at, nearest
-from harness.experiment.faults import describe
+from harness.experiment.faults import checked, read_toml
 from harness.experiment.measures import custom, needed_signals, tracking
 from harness.experiment.schema import KINDS, ExperimentSpec
 from harness.master.prepared import Echo, PreparedSystem, StartValues
@@ -47,7 +44,7 @@ class Experiment:
     @classmethod
     def from_data(cls, data: Table, path: Path) -> Self:
         """Check the content of a file; raises `ExperimentError` with one line for each fault."""
-        spec = _checked(data, path)
+        spec = checked(ExperimentSpec, data, str(path))
         experiment = cls(path, data, spec)
         for name in spec.variants:
             experiment.variant_spec(name)
@@ -92,7 +89,7 @@ class Experiment:
         merged = changes
         if not changes.pop("standalone", False):
             merged = merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
-        return _checked(merged, self.path, f"variants.{variant}")
+        return checked(ExperimentSpec, merged, f"{self.path} (variants.{variant})")
 
     def _changes(self, variant: str, depth: int = 0) -> Table:
         """What a variant changes, with what it takes over from the one that it is `like`."""
@@ -268,21 +265,8 @@ class PreparedVariant:
         return self._experiment.resolved(self._variant, self._spec)
 
 
-def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:
-    try:
-        return ExperimentSpec.model_validate(data)
-    except ValidationError as fault:
-        where = f"{path}" + (f" ({place})" if place else "")
-        raise ExperimentError("\n".join(describe(where, fault))) from fault
-
-
 def _read(path: Path, depth: int = 0) -> Table:
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as fault:
-        raise ExperimentError(f"experiment file {path} cannot be read: {fault}") from fault
-    except tomllib.TOMLDecodeError as fault:
-        raise ExperimentError(f"experiment file {path} is no valid TOML: {fault}") from fault
+    data = read_toml(path, "experiment file")
     wires = data.get("connections")
     if isinstance(wires, dict):  # so that a variant can add to a wire that is a plain string
         data["connections"] = {
