@@ -6,7 +6,6 @@ import copy
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -214,6 +213,7 @@ class PreparedVariant:
         self._variant = variant
         self._spec = experiment.variant_spec(variant)
         self._needed = tuple(needed_signals(self._spec))
+        self._resolved = experiment.resolved(variant, self._spec)
         self._system: PreparedSystem | None = None
 
     def run(
@@ -228,10 +228,12 @@ class PreparedVariant:
         """As `Experiment.run`, with `start_values` of FMUs besides those of the file."""
         system = self._system or self._experiment.bench(self._variant).prepare()
         self._system = system
+        changed = {name: {"start_values": dict(v)} for name, v in (start_values or {}).items()}
+        resolved = merge(self._resolved, {"components": changed}) if changed else self._resolved
         try:
             result = system.run(
                 folder, seed=seed, start_values=start_values, progress=progress, echo=echo,
-                experiment=self._resolved(start_values or {}), needed=self._needed,
+                experiment=resolved, needed=self._needed,
             )  # fmt: skip
         except HarnessError as fault:
             self.close()  # an FMU that failed may have taken its library with it
@@ -253,16 +255,6 @@ class PreparedVariant:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _resolved(self, start_values: StartValues) -> Table:
-        """The experiment as it is run, for the manifest."""
-        resolved = self._resolved_spec
-        changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
-        return merge(resolved, {"components": changed}) if changed else resolved
-
-    @cached_property
-    def _resolved_spec(self) -> Table:
-        return self._experiment.resolved(self._variant, self._spec)
 
 
 def _read(path: Path, depth: int = 0) -> Table:

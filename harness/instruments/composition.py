@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,19 +34,16 @@ class Function(Signal, kind="function"):
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Calls the function once an instant; its exception becomes a `SimulationError`."""
 
-        def values(times_ns: Times) -> Values:
-            sampled = np.empty(len(times_ns))
-            for index, instant in enumerate(times_ns.tolist()):
-                try:
-                    sampled[index] = self.function(instant / 1e9)
-                except Exception as fault:
-                    raise SimulationError(
-                        f"signal function {self.function!r} failed at t = {instant / 1e9:g} s: "
-                        f"{type(fault).__name__}: {fault}"
-                    ) from fault
-            return sampled
+        def value(instant: int) -> float:
+            try:
+                return float(self.function(instant / 1e9))
+            except Exception as fault:
+                raise SimulationError(
+                    f"signal function {self.function!r} failed at t = {instant / 1e9:g} s: "
+                    f"{type(fault).__name__}: {fault}"
+                ) from fault
 
-        return FunctionSampler(values)
+        return FunctionSampler(lambda times_ns: np.array([*map(value, times_ns.tolist())], float))
 
 
 @dataclass(frozen=True)
@@ -109,12 +107,10 @@ class Windowed(Signal, kind="windowed"):
     def sampler(self, seed: SeedSequence) -> Sampler:
         """The signal is seeded with `seed` itself."""
         part, start = self.signal.sampler(seed), nearest_nanosecond(self.start_time)
-        end = None if self.end_time is None else nearest_nanosecond(self.end_time)
+        end = math.inf if self.end_time is None else nearest_nanosecond(self.end_time)
 
         def values(times_ns: Times) -> Values:
-            inside = times_ns >= start
-            if end is not None:
-                inside &= times_ns < end
+            inside = (times_ns >= start) & (times_ns < end)
             return np.where(inside, part.sample(times_ns), float(self.outside))
 
         return FunctionSampler(values)

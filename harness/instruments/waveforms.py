@@ -79,13 +79,10 @@ class MultiStep(Waveform, kind="multi_step"):
     def _edges(self) -> Times:
         return np.array(list(map(nearest_nanosecond, self.times)), dtype=np.int64)
 
-    @cached_property
-    def _levels(self) -> Values:
-        return np.array([self.initial, *self.values], dtype=np.float64)
-
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        return self._levels[np.searchsorted(self._edges, times_ns, "right")]
+        levels = np.array([self.initial, *self.values], dtype=np.float64)
+        return levels[np.searchsorted(self._edges, times_ns, "right")]
 
 
 @dataclass(frozen=True)
@@ -169,8 +166,7 @@ class Chirp(Waveform, kind="chirp"):
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        start = nearest_nanosecond(self.start_time)
-        angle = self.angle(seconds_of(times_ns - start))
+        angle = self.angle(seconds_of(times_ns - nearest_nanosecond(self.start_time)))
         return self.bias + self.amplitude * np.sin(angle + self.phase)
 
 
@@ -190,12 +186,10 @@ class Pulse(Waveform, kind="pulse"):
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        start, width = nearest_nanosecond(self.start_time), nearest_nanosecond(self.width)
-        period = None if self.period is None else nearest_nanosecond(self.period)
-        low, high = float(self.bias), float(self.bias + self.amplitude)
-        elapsed = times_ns - start
-        within = elapsed if period is None else elapsed % period
-        return np.where((elapsed >= 0) & (within < width), high, low)
+        elapsed = times_ns - nearest_nanosecond(self.start_time)
+        within = elapsed if self.period is None else elapsed % nearest_nanosecond(self.period)
+        high = (elapsed >= 0) & (within < nearest_nanosecond(self.width))
+        return np.where(high, float(self.bias + self.amplitude), float(self.bias))
 
 
 @dataclass(frozen=True)
@@ -211,9 +205,9 @@ class Square(Waveform, kind="square"):
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        start, period = nearest_nanosecond(self.start_time), nearest_nanosecond(self.period)
-        width = nearest_nanosecond(self.duty * self.period)
-        low, high = float(self.bias - self.amplitude), float(self.bias + self.amplitude)
-        elapsed = times_ns - start
-        waves = np.where(elapsed % period < width, high, low)
+        elapsed = times_ns - nearest_nanosecond(self.start_time)
+        high = elapsed % nearest_nanosecond(self.period) < nearest_nanosecond(
+            self.duty * self.period
+        )
+        waves = np.where(high, self.bias + self.amplitude, self.bias - self.amplitude)
         return np.where(elapsed >= 0, waves, float(self.bias))
