@@ -18,14 +18,13 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
-from harness.errors import ExperimentError, HarnessError, UsageError, nearest
+from harness.errors import ExperimentError, HarnessError, UsageError, at, nearest
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
@@ -171,11 +170,11 @@ class Bench:
         """A signal by its kind ("step", "sine", "white_noise", …) with parameters, or as a source.
         Its output is `name.value`, sampled every `step`."""
         if isinstance(source, str):
-            with _named(f"component {name}"):
+            with at(f"component {name}"):
                 source = make_signal(source, parameters)
         self._add(SignalComponent(name, source, self._period(step, f"step of {name}")))
 
-    def sensitivity(self, name: str, *, of: str, to: str, sample_time: float | None = None) -> None:
+    def sensitivity(self, name: str, of: str, *, to: str, sample_time: float | None = None) -> None:
         """d `of` one sample later / d `to` now, both `fmu.variable` of one FMU; see
         `harness.participants.sensitivity`."""
         output, known = self._endpoint(of), self._endpoint(to)
@@ -210,7 +209,7 @@ class Bench:
         unless `convert_units` is off. From FMU to FMU, `extrapolation=1` takes the value to change
         linearly during a step instead of holding it.
         """
-        with _named(f"connection {source} -> {target}"):
+        with at(f"connection {source} -> {target}"):
             put = [_imperfection(one) for one in imperfections]
             put += [make_imperfection(kind, parameters) for kind, parameters in named.items()]
         label = f"delay of {source} -> {target}"
@@ -321,15 +320,6 @@ class Bench:
             hint = nearest(component, self._components)
             raise UsageError(f"{text!r} is no port; write component.variable ({hint})")
         return Endpoint(component, variable)
-
-
-@contextmanager
-def _named(place: str) -> Iterator[None]:
-    """Faults in the parameters of what stands at `place` say so."""
-    try:
-        yield
-    except ExperimentError as fault:
-        raise ExperimentError(f"{place}: {fault}") from fault
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:

@@ -7,7 +7,8 @@ what was received, and the legal choices or the way out.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -55,6 +56,15 @@ class EndRequestedError(SimulationError):
 
 class RecordingError(HarnessError):
     """A recording that cannot be written or read."""
+
+
+@contextmanager
+def at(place: str) -> Iterator[None]:
+    """Faults inside become an `ExperimentError` that begins by `place`."""
+    try:
+        yield
+    except HarnessError as fault:
+        raise ExperimentError(f"{place}: {fault}") from fault
 
 
 def nearest(name: str, legal: Iterable[str], *, limit: int = 3) -> str:

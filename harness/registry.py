@@ -25,8 +25,6 @@ CONTROLLERS = "fmu_harness.controllers"
 ALGORITHMS = "fmu_harness.algorithms"
 EXPERIMENTS = "fmu_harness.experiments"
 PACKAGERS = "fmu_harness.packagers"
-# where none is registered
-_OWN_PACKAGERS = {"native": "fmus.packaging.block.package:package_block"}
 
 
 class Plant(Protocol):
@@ -87,8 +85,7 @@ def algorithm(name: str) -> Any:
 
 def packager(name: str) -> Any:
     """What makes FMUs of blocks, under `name`; raises `UsageError` when there is none."""
-    own = _OWN_PACKAGERS.get(name, name)
-    return _load(PACKAGERS, name if name in _entries(PACKAGERS) else own, "packager")
+    return _load(PACKAGERS, name, "packager")
 
 
 def experiments() -> dict[str, Path]:

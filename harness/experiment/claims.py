@@ -7,17 +7,16 @@ must lie wholly on one side of the limit, or the claim stays undecided.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from harness.errors import ExperimentError, UsageError, nearest
-from harness.experiment.faults import describe
+from harness.errors import UsageError, nearest
+from harness.experiment.faults import checked, read_toml
 from harness.experiment.schema import Strict
 from harness.experiment.study import LOST, Study
 from harness.experiment.sweep import Region
@@ -175,12 +174,7 @@ Source = Callable[[str], Evidence]
 
 def load_claims(path: Path) -> ClaimsSpec:
     """Read `claims.toml`; raises `ExperimentError` with one line for each fault."""
-    try:
-        return ClaimsSpec.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as fault:
-        raise ExperimentError(f"claims file {path} cannot be read: {fault}") from fault
-    except ValidationError as fault:
-        raise ExperimentError("\n".join(describe(str(path), fault))) from fault
+    return checked(ClaimsSpec, read_toml(path, "claims file"), str(path))
 
 
 def judge(claim: ClaimSpec, evidence: Source) -> Verdict:

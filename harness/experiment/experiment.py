@@ -4,26 +4,16 @@ from __future__ import annotations
 
 import copy
 import inspect
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import ValidationError
-
 from harness.bench import Bench
-from harness.errors import ExperimentError, HarnessError, nearest
-from harness.experiment.faults import describe
+from harness.errors import ExperimentError, HarnessError, at, nearest
+from harness.experiment.faults import checked, read_toml
 from harness.experiment.measures import custom, needed_signals, tracking
-from harness.experiment.schema import (
-    KINDS,
-    ControllerSpec,
-    ExperimentSpec,
-    FmuSpec,
-    SignalSpec,
-)
+from harness.experiment.schema import KINDS, ExperimentSpec
 from harness.master.prepared import Echo, PreparedSystem, StartValues
 from harness.master.run import Progress
 from harness.process.limits import Limits
@@ -53,7 +43,7 @@ class Experiment:
     @classmethod
     def from_data(cls, data: Table, path: Path) -> Self:
         """Check the content of a file; raises `ExperimentError` with one line for each fault."""
-        spec = _checked(data, path)
+        spec = checked(ExperimentSpec, data, str(path))
         experiment = cls(path, data, spec)
         for name in spec.variants:
             experiment.variant_spec(name)
@@ -96,9 +86,9 @@ class Experiment:
             )
         changes = self._changes(variant)
         merged = changes
-        if not changes.pop("whole", False):
+        if not changes.pop("standalone", False):
             merged = merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
-        return _checked(merged, self.path, f"variants.{variant}")
+        return checked(ExperimentSpec, merged, f"{self.path} (variants.{variant})")
 
     def _changes(self, variant: str, depth: int = 0) -> Table:
         """What a variant changes, with what it takes over from the one that it is `like`."""
@@ -118,33 +108,31 @@ class Experiment:
         spec = self.variant_spec(variant)
         settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
         bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
-        try:
+        with at(f"{self.path} ({variant})"):
             self._fill(bench, spec)
-        except HarnessError as fault:
-            raise ExperimentError(f"{self.path} ({variant}): {fault}") from fault
         return bench
 
     def _fill(self, bench: Bench, spec: ExperimentSpec) -> None:
+        """The methods of a bench are called as the kinds of components, and take their keys.
+        Files are named relative to the experiment file."""
         for name, c in spec.components.items():
-            if isinstance(c, FmuSpec):
-                is_path = c.fmu.endswith(".fmu")
-                source = self.path.parent / c.fmu if is_path else c.fmu
-                bench.fmu(name, source, step=c.step, start_values=c.start_values, **c.policy())
-            elif isinstance(c, ControllerSpec):
-                bench.controller(name, c.controller, sample_time=c.sample_time, phase=c.phase,
-                                 outputs=c.outputs, **c.parameters)  # fmt: skip
-            elif isinstance(c, SignalSpec):
-                bench.signal(name, c.signal, step=c.step, **self._with_paths(c.parameters))
-            else:
-                bench.sensitivity(name, of=c.sensitivity, to=c.to, sample_time=c.sample_time)
+            given = c.model_dump(by_alias=True)
+            kind = next(kind for kind in KINDS if kind in given)
+            source, parameters = given.pop(kind), given.pop("parameters", {})
+            if kind == "fmu" and source.endswith(".fmu"):
+                source = self.path.parent / source
+            if kind == "signal" and isinstance(parameters.get("file"), str):
+                parameters["file"] = str(self.path.parent / parameters["file"])
+            add = getattr(bench, kind)
+            for key in parameters:
+                if key in inspect.signature(add).parameters:
+                    raise ExperimentError(
+                        f"component {name}: a parameter may not be called {key!r}; a {kind} has "
+                        "that key itself"
+                    )
+            add(name, source, **given, **parameters)
         for target, wire in spec.connections.items():
             bench.connect(wire.source, target, **wire.model_dump(exclude={"source"}))
-
-    def _with_paths(self, parameters: Table) -> Table:
-        """CSV files are named relative to the experiment file."""
-        if isinstance(parameters.get("file"), str):
-            return {**parameters, "file": str(self.path.parent / parameters["file"])}
-        return parameters
 
     def _check_names(self) -> None:
         spec = self.spec
@@ -225,6 +213,7 @@ class PreparedVariant:
         self._variant = variant
         self._spec = experiment.variant_spec(variant)
         self._needed = tuple(needed_signals(self._spec))
+        self._resolved = experiment.resolved(variant, self._spec)
         self._system: PreparedSystem | None = None
 
     def run(
@@ -239,10 +228,12 @@ class PreparedVariant:
         """As `Experiment.run`, with `start_values` of FMUs besides those of the file."""
         system = self._system or self._experiment.bench(self._variant).prepare()
         self._system = system
+        changed = {name: {"start_values": dict(v)} for name, v in (start_values or {}).items()}
+        resolved = merge(self._resolved, {"components": changed}) if changed else self._resolved
         try:
             result = system.run(
                 folder, seed=seed, start_values=start_values, progress=progress, echo=echo,
-                experiment=self._resolved(start_values or {}), needed=self._needed,
+                experiment=resolved, needed=self._needed,
             )  # fmt: skip
         except HarnessError as fault:
             self.close()  # an FMU that failed may have taken its library with it
@@ -265,32 +256,9 @@ class PreparedVariant:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _resolved(self, start_values: StartValues) -> Table:
-        """The experiment as it is run, for the manifest."""
-        resolved = self._resolved_spec
-        changed = {name: {"start_values": dict(values)} for name, values in start_values.items()}
-        return merge(resolved, {"components": changed}) if changed else resolved
-
-    @cached_property
-    def _resolved_spec(self) -> Table:
-        return self._experiment.resolved(self._variant, self._spec)
-
-
-def _checked(data: Table, path: Path, place: str = "") -> ExperimentSpec:
-    try:
-        return ExperimentSpec.model_validate(data)
-    except ValidationError as fault:
-        where = f"{path}" + (f" ({place})" if place else "")
-        raise ExperimentError("\n".join(describe(where, fault))) from fault
-
 
 def _read(path: Path, depth: int = 0) -> Table:
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as fault:
-        raise ExperimentError(f"experiment file {path} cannot be read: {fault}") from fault
-    except tomllib.TOMLDecodeError as fault:
-        raise ExperimentError(f"experiment file {path} is no valid TOML: {fault}") from fault
+    data = read_toml(path, "experiment file")
     wires = data.get("connections")
     if isinstance(wires, dict):  # so that a variant can add to a wire that is a plain string
         data["connections"] = {

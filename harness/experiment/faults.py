@@ -1,18 +1,39 @@
-"""Faults of an experiment file as sentences that name file, key, value and legal choices."""
+"""Reading files of experiments and claims: faults name file, key, value and legal choices."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator
-from typing import Any, get_args, get_origin
+from pathlib import Path
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from harness.errors import nearest
+from harness.errors import ExperimentError, nearest
 from harness.experiment import schema
 
+M = TypeVar("M", bound=BaseModel)
 
-def describe(where: str, fault: ValidationError) -> Iterator[str]:
-    """One sentence for each fault that pydantic found in the file at `where`."""
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """The content of a file, called `what` in the `ExperimentError` where it cannot be read."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as fault:
+        raise ExperimentError(f"{what} {path} cannot be read: {fault}") from fault
+    except tomllib.TOMLDecodeError as fault:
+        raise ExperimentError(f"{what} {path} is no valid TOML: {fault}") from fault
+
+
+def checked(kind: type[M], data: dict[str, Any], where: str) -> M:
+    """The content of the file at `where` in its form; raises `ExperimentError`, a line a fault."""
+    try:
+        return kind.model_validate(data)
+    except ValidationError as fault:
+        raise ExperimentError("\n".join(_sentences(where, fault))) from fault
+
+
+def _sentences(where: str, fault: ValidationError) -> Iterator[str]:
     for error in fault.errors():
         location = tuple(part for part in error["loc"] if not _is_tag(part, error["loc"]))
         key = ".".join(str(part) for part in location) or "the file"

@@ -57,8 +57,7 @@ class Workers:
         caller stops asking.
         """
         if self._here:
-            for task in tasks:
-                yield task, function(task)
+            yield from ((task, function(task)) for task in tasks)
             return
         for some in (tasks[:1], tasks[1:]):
             left = list(some)
@@ -96,11 +95,8 @@ class Workers:
         self, function: Callable[[Task], Outcome], tasks: Sequence[Task]
     ) -> dict[Future[Outcome], Task]:
         if self._pool is None:
-            self._pool = ProcessPoolExecutor(
-                self.count,
-                mp_context=get_context(self._method),
-                initializer=watch_over_runs,
-            )
+            context = get_context(self._method)
+            self._pool = ProcessPoolExecutor(self.count, context, watch_over_runs)
         # processes start at a submission
         with _defaults(dict.fromkeys(ONE_THREAD, "1")), compiler_at_rest():
             return {self._pool.submit(function, task): task for task in tasks}

@@ -8,7 +8,6 @@ takes over another one, named relative to it, and changes parts of it.
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -25,7 +24,7 @@ from harness import registry
 from harness.errors import UsageError, nearest
 from harness.process.limits import CALL_SECONDS, CHECKPOINT_SECONDS, Limits, memory_size
 from harness.results.metrics import FIGURES
-from harness.system.policy import DiscardedSteps, Policy, Solver
+from harness.system.policy import DiscardedSteps, Solver
 
 KINDS = ("fmu", "controller", "signal", "sensitivity")
 
@@ -52,11 +51,6 @@ class FmuSpec(Strict):
     discarded_steps: DiscardedSteps = "fail"
     validate_: bool = Field(default=True, alias="validate")
     allow_not_finite: bool = False
-
-    def policy(self) -> dict[str, Any]:
-        """How the FMU is run, by the words of `Policy`."""
-        given = self.model_dump(by_alias=True)
-        return {one.name: given[one.name] for one in fields(Policy)}
 
 
 class ControllerSpec(Strict):
@@ -126,13 +120,13 @@ class ConnectionSpec(Strict):
 
 class VariantSpec(BaseModel):
     """What a variant changes: any part of the file, merged table by table. `like` names another
-    variant whose changes it takes over first. One that is `whole` takes over nothing, and states
-    all of it."""
+    variant whose changes it takes over first. A `standalone` one takes over nothing, and states all
+    of it."""
 
     model_config = ConfigDict(extra="allow", frozen=True)
     label: str | None = None
     like: str | None = None
-    whole: bool = False
+    standalone: bool = False
 
 
 class MeasureSpec(Strict):

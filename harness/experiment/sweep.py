@@ -62,15 +62,8 @@ def run_sweep(
     rows = [
         [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
     ]
-    figure = partial(_outcome, experiment)
-    found = run_points(
-        experiment,
-        variants or experiment.variants,
-        rows,
-        figure,
-        workers=workers,
-        progress=progress,
-    )
+    chosen, figure = variants or experiment.variants, partial(_outcome, experiment)
+    found = run_points(experiment, chosen, rows, figure, workers=workers, progress=progress)
     shape = (spec.y.count, spec.x.count)
     return {v: Region(v, spec, np.reshape(outcome, shape)) for v, outcome in found.items()}
 

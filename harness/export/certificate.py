@@ -84,7 +84,12 @@ def with_certificate(path: Path, target: Path, certificate: Certificate) -> None
         for member in source.infolist():
             if member.filename != MEMBER:
                 made.writestr(member, source.read(member))
-        entry = zipfile.ZipInfo(MEMBER, date_time=(1980, 1, 1, 0, 0, 0))
-        entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
-        entry.external_attr = 0o644 << 16
-        made.writestr(entry, certificate.as_bytes())
+        made.writestr(zip_entry(MEMBER), certificate.as_bytes())
+
+
+def zip_entry(name: str) -> zipfile.ZipInfo:
+    """A member of an archive that is the same wherever and whenever it is written."""
+    entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+    entry.compress_type, entry.create_system = zipfile.ZIP_DEFLATED, 3
+    entry.external_attr = 0o644 << 16
+    return entry

@@ -9,7 +9,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from math import sin
 from pathlib import Path
 from typing import Protocol
@@ -21,6 +20,7 @@ from harness.export.certificate import Certificate
 from harness.export.verify import Array, compare, replay
 from harness.fmi.binding.library import library_path
 from harness.fmi.fmu import Fmu
+from harness.results.manifest import software_versions
 from harness.system.block import Block
 
 ROWS = 60
@@ -29,7 +29,7 @@ PLANT_TOLERANCE = 1e-6
 """Of an output's range: a solver with step size control may take another number of steps."""
 BLOCK_TOLERANCE = 1e-9
 _SMALLEST, _DECADES = 1e-2, 5
-_PACKAGES = ("fmu-harness", "numpy", "numba", "llvmlite", "casadi", "pythonfmu")
+_SOFTWARE = ("python", "fmu-harness", "numpy", "numba", "llvmlite", "casadi", "pythonfmu")
 
 Columns = Mapping[str, tuple[float, ...]]
 
@@ -137,10 +137,10 @@ def _run_with_nothing_set(path: Path, step: float) -> None:
 def _runs_here(path: Path) -> bool:
     """Whether the FMU has a library for this platform; one made for others is replayed there."""
     with Fmu(path) as fmu:
-        c = fmu.description.co_simulation
+        d = fmu.description
         try:
-            return c is not None and bool(
-                library_path(fmu.folder, c.model_identifier, fmu.description.fmi_major)
+            return d.co_simulation is not None and bool(
+                library_path(fmu.folder, d.co_simulation.model_identifier, d.fmi_major)
             )
         except FmuError:
             return False
@@ -148,14 +148,8 @@ def _runs_here(path: Path) -> bool:
 
 def made_with() -> dict[str, str]:
     """Platform and versions, without anything that names a machine."""
-    found = {
+    return {
         "platform": f"{platform.system()} {platform.machine()}",
         "libc": " ".join(platform.libc_ver()).strip() or "unknown",
-        "python": platform.python_version(),
+        **{name: version for name, version in software_versions().items() if name in _SOFTWARE},
     }
-    for name in _PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found

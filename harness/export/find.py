@@ -13,8 +13,9 @@ from typing import Any
 from harness import registry
 from harness.bench import Bench
 from harness.clock import to_period, to_seconds
-from harness.errors import HarnessError, UsageError, nearest
+from harness.errors import UsageError, nearest
 from harness.experiment.experiment import Experiment
+from harness.instruments.checks import lacking
 from harness.system.block import Block
 from harness.system.graph import BlockComponent, Component, PythonComponent
 
@@ -81,13 +82,8 @@ def _require_parameters(source: str, kind: Any, parameters: Mapping[str, Any]) -
     """Name what has no default and was not given, and how to give it."""
     if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
         return
-    fields = {field.name: field for field in dataclasses.fields(kind)}
-    absent = [
-        name
-        for name, field in fields.items()
-        if field.default is field.default_factory is dataclasses.MISSING and name not in parameters
-    ]
-    if absent and set(parameters) <= set(fields):
+    absent = lacking(kind, parameters)
+    if absent and set(parameters) <= {field.name for field in dataclasses.fields(kind)}:
         raise UsageError(
             f"controller {source} needs {', '.join(absent)}, as in --set {absent[0]}=VALUE; or "
             "take one of an experiment: --experiment NAME --component NAME"
@@ -106,8 +102,7 @@ def _found(component: Component, description: str) -> FoundBlock:
             "without Python is made from a block: give it a method block(sample_time) that returns "
             "signals, arrays and a function step(p, x, u, y)"
         )
-    if not isinstance(component, BlockComponent):
-        raise HarnessError(f"{component.name} is no controller")
+    assert isinstance(component, BlockComponent), "a controller is a block or plain Python"
     return FoundBlock(
         component.name,
         component.block,

@@ -8,8 +8,9 @@ was received and the legal choices.
 from __future__ import annotations
 
 import math
+import operator
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache, partial
 from numbers import Real
@@ -23,15 +24,24 @@ from harness.clock import LONGEST
 from harness.errors import ExperimentError, nearest
 from harness.instruments.source import FunctionSampler, Sampler, SignalSource, Times, Values
 
+_MEETS = {
+    "above": operator.gt,
+    "below": operator.lt,
+    "at_least": operator.ge,
+    "at_most": operator.le,
+}
+
 
 def label(owner: object) -> str:
     """How errors name an instrument: its kind."""
     return repr(getattr(owner, "kind", type(owner).__name__))
 
 
-def _refuse(owner: object, name: str, wanted: str) -> None:
-    received = getattr(owner, name)
-    raise ExperimentError(f"{label(owner)}: {name!r} must {wanted}, got {received!r}")
+def require(owner: object, name: str, legal: bool, wanted: str, hint: str = "") -> None:
+    """Raises the `ExperimentError` that field `name` must be what is `wanted`, unless `legal`."""
+    if not legal:
+        received = getattr(owner, name)
+        raise ExperimentError(f"{label(owner)}: {name!r} must {wanted}, got {received!r}{hint}")
 
 
 def is_number(value: object) -> bool:
@@ -39,60 +49,55 @@ def is_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def check_number(
-    owner: object,
-    name: str,
-    *,
-    above: float = -math.inf,
-    below: float = math.inf,
-    at_least: float = -math.inf,
-    at_most: float = math.inf,
-) -> None:
-    """Field `name` of `owner` is a finite number within the bounds, else `ExperimentError`."""
+def check_number(owner: object, name: str, **bounds: float) -> None:
+    """Field `name` of `owner` is a finite number within `bounds` (`above`, `below`, `at_least`,
+    `at_most`), else `ExperimentError`."""
     value: Any = getattr(owner, name)
-    if not (is_number(value) and above < value < below and at_least <= value <= at_most):
-        bounds = {"above": above, "below": below, "at least": at_least, "at most": at_most}
-        finite = [f"{word} {bound:g}" for word, bound in bounds.items() if math.isfinite(bound)]
-        _refuse(owner, name, f"be a finite number {' and '.join(finite)}".strip())
+    legal = is_number(value) and all(_MEETS[word](value, one) for word, one in bounds.items())
+    words = [f"{word.replace('_', ' ')} {one:g}" for word, one in bounds.items()]
+    require(owner, name, legal, f"be a finite number {' and '.join(words)}".strip())
+
+
+def check_numbers(owner: object, name: str) -> None:
+    """Field `name` is a tuple of finite numbers."""
+    value = getattr(owner, name)
+    legal = isinstance(value, tuple) and all(map(is_number, value))
+    require(owner, name, legal, "hold numbers")
 
 
 def check_whole(owner: object, name: str, low: int, high: int) -> None:
     """Field `name` is a whole number from `low` to `high`."""
     value = getattr(owner, name)
-    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        _refuse(owner, name, f"be a whole number from {low} to {high}")
+    legal = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
+    require(owner, name, legal, f"be a whole number from {low} to {high}")
 
 
 def check_choice(owner: object, name: str, *, legal: tuple[str, ...]) -> None:
     """Field `name` is one of `legal`."""
-    if getattr(owner, name) not in legal:
-        _refuse(owner, name, f"be one of {', '.join(map(repr, legal))}")
+    wanted = f"be one of {', '.join(map(repr, legal))}"
+    require(owner, name, getattr(owner, name) in legal, wanted)
 
 
 def check_order(owner: object, low: str, high: str) -> None:
-    """Field `high` is not less than field `low`."""
-    least = getattr(owner, low)
-    if getattr(owner, high) < least:
-        _refuse(owner, high, f"not be below {low!r} {least!r}")
+    """Field `high`, where it is given, is not less than field `low`."""
+    least, most = getattr(owner, low), getattr(owner, high)
+    require(owner, high, most is None or most >= least, f"not be below {low!r} {least!r}")
 
 
-def check_signal(owner: object, value: object) -> None:
-    """`value` is a signal source."""
-    if not isinstance(value, SignalSource):
-        raise ExperimentError(
-            f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
-            f"got {value!r}"
-        )
-
-
-def _check_signal_field(owner: object, name: str) -> None:
-    check_signal(owner, getattr(owner, name))
+def _check_signal(owner: object, name: str) -> None:
+    given = getattr(owner, name)
+    for one in given if isinstance(given, tuple) else (given,):
+        if not isinstance(one, SignalSource):
+            raise ExperimentError(
+                f"{label(owner)}: a signal (a table with 'kind', or a SignalSource) was expected, "
+                f"got {one!r}"
+            )
 
 
 def _check_unit(owner: object, name: str) -> None:
     value = getattr(owner, name)
-    if value is not None and not (isinstance(value, str) and value):
-        _refuse(owner, name, "be a unit such as 'N' or 'm/s'")
+    legal = value is None or (isinstance(value, str) and value != "")
+    require(owner, name, legal, "be a unit such as 'N' or 'm/s'")
 
 
 def check_one_of(owner: object, first: str, second: str) -> None:
@@ -113,7 +118,9 @@ Time = Annotated[float, partial(check_number, at_least=-LONGEST, at_most=LONGEST
 """Seconds that int64 nanoseconds hold."""
 Duration = Annotated[float, partial(check_number, at_least=1e-9, at_most=LONGEST)]
 """The same, at least 1 ns."""
-Signals = Annotated[SignalSource, _check_signal_field]
+Numbers = Annotated[tuple[float, ...], check_numbers]
+OneSignal = Annotated[SignalSource, _check_signal]
+Signals = Annotated[tuple[SignalSource, ...], _check_signal]
 UnitName = Annotated[str | None, _check_unit]
 """A unit, None for that of the port that is wired."""
 
@@ -131,11 +138,16 @@ class Instrument:
             cls.kinds[kind] = cls
 
     def __post_init__(self) -> None:
-        """Checks every field as its annotation says; None where the annotation allows it."""
+        """Checks every field as its annotation says (None where the annotation allows it), then
+        what concerns several."""
         kind: Any = type(self)
         for name, check, optional in _checks(kind):
             if not (optional and getattr(self, name) is None):
                 check(self, name)
+        self._settle()
+
+    def _settle(self) -> None:
+        """Checks fields against each other, and fills in what follows from others."""
 
 
 @dataclass(frozen=True)
@@ -173,6 +185,12 @@ def _checks(kind: Any) -> list[tuple[str, Callable[[object, str], None], bool]]:
     ]
 
 
+def lacking(kind: type[Any], given: Container[str]) -> list[str]:
+    """The fields of a dataclass that have no default and are not `given`."""
+    needed = [one.name for one in fields(kind) if one.default is one.default_factory is MISSING]
+    return [name for name in needed if name not in given]
+
+
 def build(
     what: str, form: Any, known: Mapping[str, type[Any]], kind: str, given: Mapping[str, Any]
 ) -> Any:
@@ -194,10 +212,7 @@ def build(
     for key in given:
         if key not in keys:
             raise ExperimentError(f"{what} {kind!r} has no key {key!r}: {nearest(key, keys)}")
-    missing = [
-        name for name, one in keys.items()
-        if one.default is one.default_factory is MISSING and name not in given
-    ]  # fmt: skip
+    missing = lacking(chosen, given)
     if missing:
         raise ExperimentError(
             f"{what} {kind!r} lacks {', '.join(map(repr, missing))}: its keys are {', '.join(keys)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,11 +11,10 @@ from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond
 from harness.errors import ExperimentError, SimulationError
-from harness.instruments.checks import Number, Signal, Signals, Time, check_signal, label
+from harness.instruments.checks import Number, OneSignal, Signal, Signals, Time, label, require
 from harness.instruments.source import (
     FunctionSampler,
     Sampler,
-    SignalSource,
     Times,
     Values,
     child_seed,
@@ -27,31 +27,23 @@ class Function(Signal, kind="function"):
 
     function: Callable[[float], float]
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if not callable(self.function):
-            raise ExperimentError(
-                f"{label(self)}: 'function' must be a Python callable, got {self.function!r}; "
-                "in an experiment file take another kind, such as 'csv'"
-            )
+    def _settle(self) -> None:
+        hint = "; in an experiment file take another kind, such as 'csv'"
+        require(self, "function", callable(self.function), "be a Python callable", hint)
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Calls the function once an instant; its exception becomes a `SimulationError`."""
 
-        def values(times_ns: Times) -> Values:
-            sampled = np.empty(len(times_ns))
-            for index, instant in enumerate(times_ns.tolist()):
-                try:
-                    sampled[index] = self.function(instant / 1e9)
-                except Exception as fault:
-                    raise SimulationError(
-                        f"signal function {self.function!r} failed at t = {instant / 1e9:g} s: "
-                        f"{type(fault).__name__}: {fault}"
-                    ) from fault
-            return sampled
+        def value(instant: int) -> float:
+            try:
+                return float(self.function(instant / 1e9))
+            except Exception as fault:
+                raise SimulationError(
+                    f"signal function {self.function!r} failed at t = {instant / 1e9:g} s: "
+                    f"{type(fault).__name__}: {fault}"
+                ) from fault
 
-        return FunctionSampler(values)
+        return FunctionSampler(lambda times_ns: np.array([*map(value, times_ns.tolist())], float))
 
 
 @dataclass(frozen=True)
@@ -59,17 +51,11 @@ class Sum(Signal, kind="sum"):
     """The sum of `signals`; each has a random stream of its own. Units that the parts state must
     be the same."""
 
-    signals: tuple[SignalSource, ...]
+    signals: Signals
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if not isinstance(self.signals, tuple) or not self.signals:
-            raise ExperimentError(
-                f"{label(self)}: 'signals' must hold at least one signal, got {self.signals!r}"
-            )
-        for one in self.signals:
-            check_signal(self, one)
+    def _settle(self) -> None:
+        legal = isinstance(self.signals, tuple) and len(self.signals) > 0
+        require(self, "signals", legal, "hold at least one signal")
         units = {one.unit for one in (self, *self.signals) if one.unit is not None}
         if len(units) > 1:
             raise ExperimentError(
@@ -92,7 +78,7 @@ class Sum(Signal, kind="sum"):
 class Scaled(Signal, kind="scaled"):
     """gain·s(t) + offset, for a signal s; `unit` is that of the result."""
 
-    signal: Signals
+    signal: OneSignal
     gain: Number = 1.0
     offset: Number = 0.0
 
@@ -109,26 +95,22 @@ class Windowed(Signal, kind="windowed"):
     The signal runs all the time: opening the window later leaves its random values as they were.
     """
 
-    signal: Signals
+    signal: OneSignal
     start_time: Time = 0.0
     end_time: Time | None = None
     outside: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         if self.unit is None:
             object.__setattr__(self, "unit", self.signal.unit)
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """The signal is seeded with `seed` itself."""
         part, start = self.signal.sampler(seed), nearest_nanosecond(self.start_time)
-        end = None if self.end_time is None else nearest_nanosecond(self.end_time)
+        end = math.inf if self.end_time is None else nearest_nanosecond(self.end_time)
 
         def values(times_ns: Times) -> Values:
-            inside = times_ns >= start
-            if end is not None:
-                inside &= times_ns < end
+            inside = (times_ns >= start) & (times_ns < end)
             return np.where(inside, part.sample(times_ns), float(self.outside))
 
         return FunctionSampler(values)

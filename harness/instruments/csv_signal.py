@@ -20,7 +20,7 @@ import numpy as np
 
 from harness.clock import LONGEST, NANOSECONDS
 from harness.errors import ExperimentError, nearest
-from harness.instruments.checks import Waveform, check_choice, label
+from harness.instruments.checks import Waveform, check_choice, label, require
 from harness.instruments.source import Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
@@ -170,13 +170,10 @@ class CsvSignal(Waveform, kind="csv"):
     column: str
     interpolation: Interpolation = "hold"
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         if not isinstance(self.file, str | os.PathLike) or not Path(self.file).is_file():
             raise ExperimentError(f"{label(self)}: 'file' is no existing file: {self.file!r}")
-        if not isinstance(self.column, str):
-            raise ExperimentError(f"{label(self)}: 'column' must be a name, got {self.column!r}")
+        require(self, "column", isinstance(self.column, str), "be a name")
         self._rows  # noqa: B018  (a file with a fault is reported here, not in the run)
 
     @cached_property

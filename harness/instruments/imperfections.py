@@ -19,23 +19,22 @@ from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from harness.errors import ExperimentError
 from harness.instruments import imperfection_steps as steps
 from harness.instruments.checks import (
     Duration,
     Instrument,
     NotNegative,
     Number,
+    OneSignal,
     Positive,
     Probability,
-    Signals,
     build,
     check_choice,
     check_one_of,
     check_order,
     check_whole,
     is_number,
-    label,
+    require,
 )
 from harness.instruments.noise import UniformNoise, WhiteNoise
 from harness.instruments.signals import with_signals
@@ -93,11 +92,9 @@ class Noise(WireInstrument, kind="noise"):
     """Adds white noise of standard deviation `std` (unit of the wire), or any random `signal`."""
 
     std: NotNegative | None = None
-    signal: Signals | None = None
+    signal: OneSignal | None = None
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_one_of(self, "std", "signal")
 
     @property
@@ -114,7 +111,7 @@ class Noise(WireInstrument, kind="noise"):
 class Disturbance(WireInstrument, kind="disturbance"):
     """Adds a `signal`."""
 
-    signal: Signals
+    signal: OneSignal
 
     @property
     def source(self) -> SignalSource | None:
@@ -167,9 +164,7 @@ class Saturation(WireInstrument, kind="saturation"):
     lower: Number
     upper: Number
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_order(self, "lower", "upper")
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
@@ -251,20 +246,15 @@ class ValueMap(WireInstrument, kind="value_map"):
 
     table: tuple[tuple[float, float], ...]
 
-    def __post_init__(self) -> None:
-        """Checks the table."""
+    def _settle(self) -> None:
         pairs = self.table
         legal = isinstance(pairs, list | tuple) and all(
             isinstance(pair, list | tuple) and len(pair) == 2 and all(map(is_number, pair))
             for pair in pairs
         )
-        if not legal:
-            raise ExperimentError(
-                f"{label(self)}: 'table' must hold pairs of numbers, got {pairs!r}"
-            )
+        require(self, "table", legal, "hold pairs of numbers")
+        require(self, "table", len({a for a, _ in pairs}) == len(pairs), "map each value once")
         object.__setattr__(self, "table", tuple((float(a), float(b)) for a, b in pairs))
-        if len({a for a, _ in self.table}) != len(self.table):
-            raise ExperimentError(f"{label(self)}: 'table' maps a value twice: {pairs!r}")
 
     def block(self, sample_time: float, unit: str = "1") -> KernelBlock:
         """out = what the table says of in."""

@@ -1,4 +1,4 @@
-"""Random signals: white, band-limited, low-pass, heavy-tailed, uniform.
+"""Random signals: white, band-limited, low-pass, heavy-tailed, uniform, binary.
 
 Each sampler draws its values in the order of the instants, so that cutting the instants into
 chunks changes nothing. Two parts of one signal never share a generator.
@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
+from typing import Annotated
 
 import numpy as np
 from numpy.random import Generator, SeedSequence
+from numpy.typing import NDArray
 
 from harness.clock import nearest_nanosecond, seconds_of
 from harness.instruments.checks import (
@@ -21,6 +24,7 @@ from harness.instruments.checks import (
     Probability,
     Signal,
     check_order,
+    check_whole,
 )
 from harness.instruments.source import (
     FunctionSampler,
@@ -30,6 +34,14 @@ from harness.instruments.source import (
     child_seed,
     generator,
 )
+
+# Exponents of a primitive polynomial over GF(2) of each order but the highest and 0: the register
+# then runs through all 2^order − 1 states that are not zero.
+TAPS: dict[int, list[int]] = {
+    3: [1], 4: [1], 5: [2], 6: [1], 7: [1], 8: [2, 3, 4], 9: [4], 10: [3], 11: [2],
+    12: [6, 8, 11], 13: [9, 10, 12], 14: [9, 11, 13], 15: [1], 16: [1, 3, 12],
+}  # fmt: skip
+RegisterOrder = Annotated[int, partial(check_whole, low=min(TAPS), high=max(TAPS))]
 
 
 @dataclass(frozen=True)
@@ -56,9 +68,7 @@ class UniformNoise(Signal, kind="uniform"):
     low: Number
     high: Number
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_order(self, "low", "high")
 
     def sampler(self, seed: SeedSequence) -> Sampler:
@@ -82,12 +92,8 @@ class HeavyTailedNoise(Signal, kind="heavy_tailed_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """Draws mean + scale·τ."""
-        student = generator(seed).standard_t
-
-        def draw(times_ns: Times) -> Values:
-            return self.mean + self.scale * student(self.dof, len(times_ns))
-
-        return FunctionSampler(draw)
+        mean, scale, student = self.mean, self.scale, generator(seed).standard_t
+        return FunctionSampler(lambda times_ns: mean + scale * student(self.dof, len(times_ns)))
 
 
 @dataclass(frozen=True)
@@ -118,11 +124,9 @@ class ContaminatedNoise(Signal, kind="contaminated_noise"):
 
 @dataclass
 class HeldNoiseSampler:
-    """Normal values on a grid of `period` (ns) that begins at the first instant, held between."""
+    """Normal values on the grid of `noise`, which begins at the first instant, held between."""
 
-    std: float
-    mean: float
-    period: int
+    noise: BandLimitedNoise
     random: Generator
     first: int | None = None
     drawn: int = 0
@@ -134,9 +138,10 @@ class HeldNoiseSampler:
             return np.empty(0)
         if self.first is None:
             self.first = int(times_ns[0])
-        index = (times_ns - self.first) // self.period
+        index = (times_ns - self.first) // nearest_nanosecond(self.noise.sample_time)
         fresh = int(index[-1]) + 1 - self.drawn
-        values = self.mean + self.std * self.random.standard_normal(fresh)
+        std = math.sqrt(self.noise.power / self.noise.sample_time)
+        values = self.noise.mean + std * self.random.standard_normal(fresh)
         known = np.concatenate(([self.last], values))
         held = known[index - self.drawn + 1]
         self.drawn += fresh
@@ -159,19 +164,14 @@ class BandLimitedNoise(Signal, kind="band_limited_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the value in force."""
-        std = math.sqrt(self.power / self.sample_time)
-        return HeldNoiseSampler(
-            std, float(self.mean), nearest_nanosecond(self.sample_time), generator(seed)
-        )
+        return HeldNoiseSampler(self, generator(seed))
 
 
 @dataclass
 class LowPassNoiseSampler:
     """The recursion of `LowPassNoise`, instant by instant."""
 
-    std: float
-    mean: float
-    omega: float
+    noise: LowPassNoise
     random: Generator
     previous: int | None = None
     value: float = 0.0
@@ -182,17 +182,18 @@ class LowPassNoiseSampler:
             return np.empty(0)
         before = times_ns[0] if self.previous is None else self.previous
         gaps = seconds_of(np.diff(times_ns, prepend=before))
-        decay = [math.exp(-self.omega * gap) for gap in gaps.tolist()]
+        omega = 2.0 * math.pi * self.noise.bandwidth
+        decay = [math.exp(-omega * gap) for gap in gaps.tolist()]
         if self.previous is None:
             decay[0] = 0.0
         values = np.empty(len(times_ns))
         x = self.value
-        for index, normal in enumerate(self.random.standard_normal(len(times_ns)).tolist()):
-            a = decay[index]
+        normals = self.random.standard_normal(len(times_ns)).tolist()
+        for index, (a, normal) in enumerate(zip(decay, normals, strict=True)):
             x = a * x + math.sqrt(1.0 - a * a) * normal
             values[index] = x
         self.value, self.previous = x, int(times_ns[-1])
-        return self.mean + self.std * values
+        return self.noise.mean + self.noise.std * values
 
 
 @dataclass(frozen=True)
@@ -210,5 +211,35 @@ class LowPassNoise(Signal, kind="low_pass_noise"):
 
     def sampler(self, seed: SeedSequence) -> Sampler:
         """A sampler that remembers the last instant and value."""
-        omega = 2.0 * math.pi * self.bandwidth
-        return LowPassNoiseSampler(float(self.std), float(self.mean), omega, generator(seed))
+        return LowPassNoiseSampler(self, generator(seed))
+
+
+def maximal_length_bits(order: int) -> NDArray[np.int8]:
+    """One period, 2^order − 1 bits, of the linear feedback shift register of this order."""
+    from scipy.signal import max_len_seq
+
+    bits: NDArray[np.int8] = max_len_seq(order, taps=TAPS[order])[0]
+    return bits
+
+
+@dataclass(frozen=True)
+class Prbs(Signal, kind="prbs"):
+    """bias ± amplitude by a maximal-length pseudo-random binary sequence, held for `bit_time` (s)
+    on a grid anchored at time 0.
+
+    It repeats after (2^order − 1)·bit_time and has autocorrelation amplitude² at lag 0 and
+    −amplitude²/(2^order − 1) at all others. The seed chooses where in the period it begins.
+    """
+
+    amplitude: Number
+    bit_time: Duration
+    order: RegisterOrder = 7
+    bias: Number = 0.0
+
+    def sampler(self, seed: SeedSequence) -> Sampler:
+        """A sampler without memory whose place in the period comes from `seed`."""
+        high = maximal_length_bits(self.order) == 1
+        levels = self.bias + np.where(high, float(self.amplitude), -float(self.amplitude))
+        begin = int(generator(seed).integers(len(levels)))
+        bit = nearest_nanosecond(self.bit_time)
+        return FunctionSampler(lambda times_ns: levels[(times_ns // bit + begin) % len(levels)])

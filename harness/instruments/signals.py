@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from harness.errors import ExperimentError
-from harness.instruments import composition, csv_signal, noise, pulses, waveforms
+from harness.instruments import composition, csv_signal, noise, waveforms
 from harness.instruments.checks import Signal, build
 from harness.instruments.source import SignalSource
 
-MODULES = (waveforms, pulses, noise, csv_signal, composition)  # they register their kinds
+MODULES = (waveforms, noise, csv_signal, composition)  # they register their kinds
 SIGNALS = Signal.kinds
 
 

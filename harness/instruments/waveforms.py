@@ -16,17 +16,20 @@ from harness.instruments.checks import (
     Duration,
     NotNegative,
     Number,
+    Numbers,
     Time,
     Waveform,
     check_choice,
     check_number,
     check_one_of,
-    is_number,
+    check_order,
     label,
+    require,
 )
 from harness.instruments.source import Times, Values
 
 TWO_PI = 2.0 * math.pi
+OpenShare = Annotated[float, partial(check_number, above=0.0, below=1.0)]
 Sweep = Annotated[str, partial(check_choice, legal=("linear", "logarithmic"))]
 
 
@@ -52,46 +55,34 @@ class Step(Waveform, kind="step"):
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
         edge = nearest_nanosecond(self.time)
-        low, high = float(self.initial), float(self.final)
-        return np.where(times_ns >= edge, high, low)
+        return np.where(times_ns >= edge, float(self.final), float(self.initial))
 
 
 @dataclass(frozen=True)
 class MultiStep(Waveform, kind="multi_step"):
     """`values[i]` from `times[i]` (s) on, `initial` before the first of them."""
 
-    times: tuple[float, ...]
-    values: tuple[float, ...]
+    times: Numbers
+    values: Numbers
     initial: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        for name in ("times", "values"):
-            given = getattr(self, name)
-            if not isinstance(given, tuple) or not all(map(is_number, given)):
-                raise ExperimentError(f"{label(self)}: {name!r} must hold numbers, got {given!r}")
+    def _settle(self) -> None:
         if len(self.times) != len(self.values) or not self.times:
             raise ExperimentError(
                 f"{label(self)}: 'times' and 'values' must be of one length, at least 1, got "
                 f"{len(self.times)} and {len(self.values)}"
             )
-        if np.any(np.diff(self._edges) <= 0):
-            raise ExperimentError(
-                f"{label(self)}: 'times' must increase by at least 1 ns, got {self.times!r}"
-            )
+        rising = bool(np.all(np.diff(self._edges) > 0))
+        require(self, "times", rising, "increase by at least 1 ns")
 
     @cached_property
     def _edges(self) -> Times:
         return np.array(list(map(nearest_nanosecond, self.times)), dtype=np.int64)
 
-    @cached_property
-    def _levels(self) -> Values:
-        return np.array([self.initial, *self.values], dtype=np.float64)
-
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        return self._levels[np.searchsorted(self._edges, times_ns, "right")]
+        levels = np.array([self.initial, *self.values], dtype=np.float64)
+        return levels[np.searchsorted(self._edges, times_ns, "right")]
 
 
 @dataclass(frozen=True)
@@ -104,14 +95,8 @@ class Ramp(Waveform, kind="ramp"):
     end_time: Time | None = None
     initial: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
-        if self.end_time is not None and self.end_time < self.start_time:
-            raise ExperimentError(
-                f"{label(self)}: 'end_time' must not be before 'start_time' "
-                f"{self.start_time!r}, got {self.end_time!r}"
-            )
+    def _settle(self) -> None:
+        check_order(self, "start_time", "end_time")
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
@@ -132,17 +117,13 @@ class Sine(Waveform, kind="sine"):
     phase: Number = 0.0
     bias: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         check_one_of(self, "frequency", "angular_frequency")
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        omega = self.angular_frequency
-        if omega is None:
-            assert self.frequency is not None
-            omega = TWO_PI * self.frequency
+        given = self.angular_frequency
+        omega = TWO_PI * (self.frequency or 0.0) if given is None else given
         return self.bias + self.amplitude * np.sin(omega * seconds_of(times_ns) + self.phase)
 
 
@@ -166,9 +147,7 @@ class Chirp(Waveform, kind="chirp"):
     phase: Number = 0.0
     bias: Number = 0.0
 
-    def __post_init__(self) -> None:
-        """Checks every field."""
-        super().__post_init__()
+    def _settle(self) -> None:
         if self.sweep == "logarithmic":
             check_number(self, "start_frequency", above=0.0)
             check_number(self, "end_frequency", above=0.0)
@@ -187,6 +166,48 @@ class Chirp(Waveform, kind="chirp"):
 
     def at(self, times_ns: Times) -> Values:
         """The values at `times_ns` (ns, shape (n,))."""
-        start = nearest_nanosecond(self.start_time)
-        angle = self.angle(seconds_of(times_ns - start))
+        angle = self.angle(seconds_of(times_ns - nearest_nanosecond(self.start_time)))
         return self.bias + self.amplitude * np.sin(angle + self.phase)
+
+
+@dataclass(frozen=True)
+class Pulse(Waveform, kind="pulse"):
+    """bias + amplitude for `width` seconds from `start_time` on, else bias; again every `period`
+    seconds where one is given."""
+
+    amplitude: Number
+    width: Duration
+    start_time: Time = 0.0
+    period: Duration | None = None
+    bias: Number = 0.0
+
+    def _settle(self) -> None:
+        check_order(self, "width", "period")
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        elapsed = times_ns - nearest_nanosecond(self.start_time)
+        within = elapsed if self.period is None else elapsed % nearest_nanosecond(self.period)
+        high = (elapsed >= 0) & (within < nearest_nanosecond(self.width))
+        return np.where(high, float(self.bias + self.amplitude), float(self.bias))
+
+
+@dataclass(frozen=True)
+class Square(Waveform, kind="square"):
+    """bias + amplitude for the first `duty` share of every `period` (s), bias − amplitude for
+    the rest; bias before `start_time`. Both edges are rounded to whole nanoseconds."""
+
+    amplitude: Number
+    period: Duration
+    duty: OpenShare = 0.5
+    start_time: Time = 0.0
+    bias: Number = 0.0
+
+    def at(self, times_ns: Times) -> Values:
+        """The values at `times_ns` (ns, shape (n,))."""
+        elapsed = times_ns - nearest_nanosecond(self.start_time)
+        high = elapsed % nearest_nanosecond(self.period) < nearest_nanosecond(
+            self.duty * self.period
+        )
+        waves = np.where(high, self.bias + self.amplitude, self.bias - self.amplitude)
+        return np.where(elapsed >= 0, waves, float(self.bias))

@@ -16,9 +16,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from harness.errors import ExperimentError
-from harness.ssp.common import LinearTransformation, MappingTransformation, Transformation
-from harness.ssp.lexical import read_boolean, read_integer
+from harness.errors import ExperimentError, nearest
+from harness.ssp.common import KINDS, LinearTransformation, MappingTransformation, Transformation
+from harness.ssp.lexical import FORMS
 
 Table = tuple[tuple[int, int], ...]
 Items = Mapping[str, int]
@@ -53,8 +53,8 @@ class Change:
         """The same for a source that is 0 or 1 only, where a table is a factor and an offset."""
         if not self.table:
             return self
-        at = {**{0: 0, 1: 1}, **dict(self.table)}
-        straight = Change().scaled(Fraction(at[1] - at[0]), Fraction(at[0]))
+        low, high = (dict(self.table).get(value, value) for value in (0, 1))
+        straight = Change().scaled(Fraction(high - low), Fraction(low))
         return straight.scaled(self.factor, self.offset)
 
     def of(self, value: float) -> float:
@@ -94,16 +94,15 @@ def _table(given: MappingTransformation, source: Items | None, target: Items | N
 
 
 def _number(kind: str, text: str, items: Items | None, end: str) -> int:
+    form = KINDS[kind.removesuffix("MappingTransformation")]
     try:
-        if kind.startswith("Boolean"):
-            return int(read_boolean(text))
-        if kind.startswith("Integer"):
-            return read_integer(text)
+        if form is not str:
+            return int(FORMS[form].read(text))
     except ValueError as fault:
         raise ExperimentError(f"{kind}: the {end} {text!r} is {fault}") from fault
     if items is None:
         raise ExperimentError(f"{kind}: the {end} connector names no enumeration of the document")
     if text not in items:
-        legal = ", ".join(items)
-        raise ExperimentError(f"{kind}: {text!r} is no item of the {end}'s enumeration: {legal}")
+        hint = nearest(text, items)
+        raise ExperimentError(f"{kind}: {text!r} is no item of the {end}'s enumeration; {hint}")
     return items[text]

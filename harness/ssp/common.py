@@ -9,8 +9,13 @@ from harness.ssp.binding import Element, attribute, text, verbatim, wrapped
 INTEGER_KINDS = (
     "Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64",
 )  # fmt: skip
-REAL_KINDS = ("Real", "Float64", "Float32")
-KINDS = (*REAL_KINDS, *INTEGER_KINDS, "Boolean", "String", "Enumeration", "Binary")
+KINDS: dict[str, type] = {
+    **dict.fromkeys(("Real", "Float64", "Float32"), float),
+    **dict.fromkeys(INTEGER_KINDS, int),
+    "Boolean": bool,
+    **dict.fromkeys(("String", "Enumeration", "Binary"), str),
+}
+"""The kinds of types with what a value of each is in Python."""
 Version = Annotated[str, ("1.0", "2.0")]
 
 

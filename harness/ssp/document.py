@@ -105,7 +105,12 @@ class DictionaryDefinition(ssc.Base, tags="ssd:SignalDictionary"):
     name: str
     type: str = DICTIONARY_TYPE
     source: str | None = None
+    source_base: SourceBase = "SSD"
     inline: Dictionary | None = None
+
+
+Reference = ParameterBinding | MappingReference | DictionaryDefinition
+"""A document of another kind, inline or by `source`."""
 
 
 class SystemElement(ModelElement, tags="ssd:System"):

@@ -14,10 +14,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from harness.errors import ExperimentError, HarnessError, nearest
+from harness.errors import ExperimentError, at, nearest
 from harness.ssp.change import Change, transformed
-from harness.ssp.document import Connection
-from harness.ssp.ports import SINKS, SOURCES, Node, Ports, reference_at
+from harness.ssp.document import Connection, DictionaryReference
+from harness.ssp.ports import SINKS, SOURCES, Node, Ports
 from harness.ssp.tree import SystemNode, Tree
 from harness.system.units import Unit, exact_conversion
 
@@ -45,8 +45,9 @@ class FlatWire:
     driven: bool
 
 
-def flat_wires(tree: Tree, ports: Ports) -> tuple[FlatWire, ...]:
+def flat_wires(ports: Ports) -> tuple[FlatWire, ...]:
     """All wires that end at an FMU, in the order of the connections that reach it."""
+    tree = ports.tree
     incoming: dict[Node, Edge] = {}
     for edge in (_directed(s, c, ports) for s in tree.systems for c in s.element.connections):
         other = incoming.setdefault(edge.target, edge)
@@ -80,37 +81,35 @@ def change_along(edges: tuple[Edge, ...], ports: Ports, unit: Unit | None) -> Ch
     """What happens to a value in a `unit` on its way; raises `ExperimentError`."""
     change = Change()
     for edge in edges:
-        source, target = (ports.port(end, edge.place) for end in (edge.source, edge.target))
+        source, target = ports.port(edge.source), ports.port(edge.target)
         c = edge.connection
-        try:
+        with at(edge.place):
             if not c.suppress_unit_conversion:
                 change = change.scaled(*exact_conversion(unit, target.unit))
             if c.transformation is not None:
                 change = transformed(change, c.transformation, source.items, target.items)
-        except HarnessError as fault:
-            raise ExperimentError(f"{edge.place}: {fault}") from fault
         if target.unit is not None or c.transformation is not None or c.suppress_unit_conversion:
             unit = target.unit
-    boolean = edges and ports.port(edges[0].source, edges[0].place).type == "Boolean"
+    boolean = edges and ports.port(edges[0].source).type == "Boolean"
     return change.boolean() if boolean else change
 
 
 def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:
-    elements = [name or None for name in (c.start_element, c.end_element)]  # some tools write ""
-    start, end = _shown(elements[0], c.start_connector), _shown(elements[1], c.end_connector)
+    ends = [(c.start_element, c.start_connector), (c.end_element, c.end_connector)]
+    start, end = (f"{element}.{name}" if element else name for element, name in ends)
     inside = f" of system {'.'.join(system.path)}" if system.path else ""
     place = f"{system.scope.where}: connection {start} – {end}{inside}"
-    if c.start_indices or c.end_indices:
-        raise ExperimentError(f"{place}: single elements of arrays cannot be connected yet")
-    first = _node(system, elements[0], c.start_connector, ports, place)
-    second = _node(system, elements[1], c.end_connector, ports, place)
-    roles = [
-        _role(ports.port(node, place).kind, own=element is None)
-        for node, element in zip((first, second), elements, strict=True)
-    ]
-    if roles[0] and roles[0] == roles[1]:
-        what = "give values" if roles[0] == "source" else "take values"
-        raise ExperimentError(f"{place}: both connectors {what}; one must be of the other kind")
+    with at(place):
+        if c.start_indices or c.end_indices:
+            raise ExperimentError("single elements of arrays cannot be connected yet")
+        first, second = (_node(system, element, name, ports) for element, name in ends)
+        roles = [
+            _role(ports.port(node).kind, own=not element)
+            for node, (element, _) in zip((first, second), ends, strict=True)
+        ]
+        if roles[0] and roles[0] == roles[1]:
+            what = "give values" if roles[0] == "source" else "take values"
+            raise ExperimentError(f"both connectors {what}; one must be of the other kind")
     if roles[0] == "sink" or roles[1] == "source":
         return Edge(second, first, c, place)
     return Edge(first, second, c, place)
@@ -118,26 +117,21 @@ def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:
 
 def _role(kind: str, *, own: bool) -> str:
     """Whether a connector gives or takes values inside the system ("" where either is meant)."""
-    if kind in SOURCES or kind == "independent":
+    if kind in SOURCES:
         return "sink" if own else "source"
     if kind in SINKS:
         return "source" if own else "sink"
     return ""
 
 
-def _node(
-    system: SystemNode, element: str | None, connector: str, ports: Ports, place: str
-) -> Node:
-    if element is None:
+def _node(system: SystemNode, element: str | None, connector: str, ports: Ports) -> Node:
+    """The connector of an element, or of the system itself: some tools write "" for no element."""
+    if not element:
         return Node(system.path, connector)
-    reference = reference_at(system.element, element)
-    if reference is not None:
-        return ports.referred(system.path, reference, connector)
-    if all(one.name != element for one in system.element.elements):
-        hint = nearest(element, [one.name for one in system.element.elements])
-        raise ExperimentError(f"{place}: there is no element {element!r}; {hint}")
+    found = {one.name: one for one in system.element.elements}
+    if element not in found:
+        raise ExperimentError(f"there is no element {element!r}; {nearest(element, found)}")
+    one = found[element]
+    if isinstance(one, DictionaryReference):
+        return ports.referred(system.path, one, connector)
     return Node((*system.path, element), connector)
-
-
-def _shown(element: str | None, connector: str) -> str:
-    return connector if element is None else f"{element}.{connector}"

@@ -21,10 +21,10 @@ from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
-from harness.ssp.describe import Units, connectors, start_value_binding, unit_change
+from harness.ssp.describe import Describer, unit_change
 from harness.ssp.package import DEFAULT, save_package
 from harness.ssp.sequence import sequence_block
-from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name
+from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name, unique
 from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, describe_fmu, sha256
 from harness.system import graph
 from harness.system.block import Block
@@ -60,16 +60,12 @@ class Resources:
 
     def add(self, name: str, path: Path) -> str:
         """The member name under which a file stands: `resources/name`, or with a number."""
-        digest, suffix = sha256(path), Path(name).suffix
-        if (digest, suffix) in self.members:
-            return self.members[digest, suffix]
-        member, number = f"resources/{name}", 1
-        while member in self.files:
-            number += 1
-            member = f"resources/{Path(name).stem}_{number}{suffix}"
-        self.files[member] = path
-        self.members[digest, suffix] = member
-        return member
+        plain, suffix = f"resources/{Path(name).stem}", Path(name).suffix
+        content = sha256(path), suffix
+        if content not in self.members:
+            self.members[content] = unique(plain, self.files, suffix)
+            self.files[self.members[content]] = path
+        return self.members[content]
 
 
 def export_experiment(
@@ -93,26 +89,23 @@ def export_experiment(
     save_package(target, structures, resources.files)
 
 
+@dataclass
 class _Exporter:
     """A variant on its way into a package; the FMUs of its blocks are there afterwards."""
 
-    def __init__(
-        self,
-        experiment: Experiment,
-        variant: str,
-        variants: tuple[str, ...],
-        resources: Resources,
-        block_fmu: BlockFmu,
-    ) -> None:
-        self.experiment, self.variant, self.variants = experiment, variant, variants
-        self.resources, self.block_fmu = resources, block_fmu
-        self.spec = experiment.variant_spec(variant)
-        self.system = experiment.bench(variant).system()
+    experiment: Experiment
+    variant: str
+    variants: tuple[str, ...]
+    resources: Resources
+    block_fmu: BlockFmu
+
+    def __post_init__(self) -> None:
+        self.spec = self.experiment.variant_spec(self.variant)
+        self.system = self.experiment.bench(self.variant).system()
         self.sources = {c.name: self._source(c) for c in self.system.components}
         self.descriptions = {name: describe_fmu(path) for name, path in self.sources.items()}
         newest = max(d.fmi_major for d in self.descriptions.values())
-        self.version = "2.0" if newest > 2 else "1.0"
-        self.units = Units()
+        self.describer = Describer("2.0" if newest > 2 else "1.0")
 
     def structure(self, *, first: bool) -> ssd.SystemStructure:
         spec, components = self.spec, self.system.components
@@ -127,11 +120,11 @@ class _Exporter:
         )
         return ssd.SystemStructure(
             namespaces=(OSP_NAMESPACE,),
-            version=self.version,
+            version=self.describer.version,
             name=self.variant,
             generation_tool="fmu-harness",
             system=root,
-            units=self.units.definitions(),
+            units=self.describer.units(),
             experiment=ssd.DefaultExperiment(
                 start_time=spec.start_time,
                 stop_time=spec.stop_time,
@@ -187,7 +180,7 @@ class _Exporter:
         given = self.spec.components[c.name].model_dump(by_alias=True, exclude_unset=True)
         bindings: tuple[ssd.ParameterBinding, ...] = ()
         if isinstance(c, graph.FmuComponent):
-            bindings = start_value_binding(c.name, c.start_values, description, self.version)
+            bindings = self.describer.start_value_binding(c.name, c.start_values, description)
             own = {k: v for k, v in given.items() if k in FMU_SETTINGS and v is not None}
         else:
             own = {**given, "fmu_sha256": sha256(source)}
@@ -203,7 +196,7 @@ class _Exporter:
             name=c.name,
             source=self.resources.add(f"{safe_name(c.name)}.fmu", source),
             implementation="CoSimulation",
-            connectors=connectors(description, used, self.version, self.units),
+            connectors=self.describer.connectors(description, used),
             bindings=bindings,
             annotations=annotation(own),
         )

@@ -47,10 +47,9 @@ def read_integer(text: str) -> int:
 
 def read_boolean(text: str) -> bool:
     """An xs:boolean."""
-    try:
-        return _BOOLEANS[text.strip()]
-    except KeyError:
-        raise ValueError("neither true nor false") from None
+    if text.strip() not in _BOOLEANS:
+        raise ValueError("neither true nor false")
+    return _BOOLEANS[text.strip()]
 
 
 def write_boolean(value: bool) -> str:

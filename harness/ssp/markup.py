@@ -35,10 +35,8 @@ def clark(tag: str) -> str:
 def shown(clark_name: str) -> str:
     """A name as people write it."""
     namespace, _, local = clark_name.rpartition("}")
-    for prefix, known in NAMESPACES.items():
-        if namespace == "{" + known:
-            return f"{prefix}:{local}"
-    return clark_name
+    prefixes = [prefix for prefix, known in NAMESPACES.items() if namespace == "{" + known]
+    return f"{prefixes[0]}:{local}" if prefixes else clark_name
 
 
 def parse(content: bytes, where: str) -> Any:

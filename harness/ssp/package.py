@@ -12,17 +12,18 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import ClassVar
 from urllib.parse import unquote, urlsplit
 
 from harness.errors import ExperimentError, FmuError, nearest
+from harness.export.certificate import zip_entry
 from harness.fmi.archive.unpack import Archive
 from harness.ssp import binding
+from harness.ssp.binding import E
 from harness.ssp.document import SystemStructure
 
 DEFAULT = "SystemStructure.ssd"
-_STAMP = (1980, 1, 1, 0, 0, 0)
 
 
 class SspArchive(Archive):
@@ -54,23 +55,23 @@ class Package:
         """How faults name a document of this package."""
         return f"{self.path}/{file}" if self.path.suffix != ".ssd" else str(self.path)
 
-    def resolve(self, uri: str, where: str, base: Path | None = None) -> Path:
+    def resolve(self, uri: str, base: Path | None = None) -> Path:
         """The file that a relative URI names, seen from `base` (the root of the package)."""
         parts = urlsplit(uri)
         relative = unquote(parts.path)
         if parts.scheme or parts.netloc or relative.startswith("/") or "\\" in relative:
             raise ExperimentError(
-                f"{where}: source {uri!r} is no relative URI; only files of the package are read"
+                f"source {uri!r} is no relative URI; only files of the package are read"
             )
         if not relative or "\0" in relative:
-            raise ExperimentError(f"{where}: source {uri!r} names no file")
+            raise ExperimentError(f"source {uri!r} names no file")
         root = self.folder.resolve()
         found = ((base or self.folder) / relative).resolve()
         if self.closed and not found.is_relative_to(root):
-            raise ExperimentError(f"{where}: source {uri!r} leaves the package")
+            raise ExperimentError(f"source {uri!r} leaves the package")
         if not found.exists():
             legal = [p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()]
-            raise ExperimentError(f"{where}: there is no file {uri!r}; {nearest(relative, legal)}")
+            raise ExperimentError(f"there is no file {uri!r}; {nearest(relative, legal)}")
         return found
 
 
@@ -80,7 +81,7 @@ def open_package(path: str | Path) -> Iterator[Package]:
     path = Path(path)
     with ExitStack() as stack:
         if path.suffix == ".ssd":
-            content = {path.name: _structure(path, str(path))}
+            content = {path.name: read_document(SystemStructure, path, str(path))}
             yield Package(path, path.parent, content, closed=False)
             return
         folder, closed = path, False
@@ -89,7 +90,10 @@ def open_package(path: str | Path) -> Iterator[Package]:
         elif not (path / DEFAULT).is_file():
             raise ExperimentError(f"folder {path} has no {DEFAULT}; it is no unpacked SSP")
         others = sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT)
-        files = {name: _structure(folder / name, f"{path}/{name}") for name in (DEFAULT, *others)}
+        files = {
+            name: read_document(SystemStructure, folder / name, f"{path}/{name}")
+            for name in (DEFAULT, *others)
+        }
         yield Package(path, folder, files, closed)
 
 
@@ -108,9 +112,9 @@ def save_package(
     try:
         with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, structure in structures.items():
-                archive.writestr(_member(name), binding.write(structure))
+                archive.writestr(zip_entry(name), binding.write(structure))
             for name, source in resources.items():
-                with source.open("rb") as file, archive.open(_member(name), "w") as member:
+                with source.open("rb") as file, archive.open(zip_entry(name), "w") as member:
                     shutil.copyfileobj(file, member)
         made.replace(target)
     except OSError as fault:
@@ -129,15 +133,9 @@ def files_of(package: Package) -> dict[str, Path]:
     }
 
 
-def _member(name: str) -> zipfile.ZipInfo:
-    member = zipfile.ZipInfo(str(PurePosixPath(name)), _STAMP)
-    member.compress_type = zipfile.ZIP_DEFLATED
-    member.external_attr = 0o644 << 16
-    return member
-
-
-def _structure(path: Path, where: str) -> SystemStructure:
-    return binding.read(SystemStructure, read_bytes(path, where), where)
+def read_document(kind: type[E], path: Path, where: str) -> E:
+    """The document in a file; raises `ExperimentError`."""
+    return binding.read(kind, read_bytes(path, where), where)
 
 
 def read_bytes(path: Path, where: str) -> bytes:

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from harness.errors import ExperimentError, nearest
+from harness.errors import ExperimentError, at, nearest
 from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.start_values import find_target
 from harness.ssp.common import DataType
-from harness.ssp.document import DictionaryReference, SystemElement
+from harness.ssp.document import DICTIONARY_TYPE, DictionaryReference
 from harness.ssp.parameters import Dictionary
 from harness.ssp.tree import Definitions, Tree, TreePath
 from harness.system.units import Unit, parse_unit
 
-SOURCES = ("output", "calculatedParameter", "constant", "local")
+SOURCES = ("output", "calculatedParameter", "constant", "local", "independent")
 SINKS = ("input", "parameter", "structuralParameter")
 Describe = Callable[[Path], ModelDescription]
 
@@ -54,14 +55,9 @@ class Ports:
     def __init__(self, tree: Tree, describe: Describe) -> None:
         self.tree = tree
         self.describe = describe
-        self._known: dict[Node, Port] = {}
-        self._dictionaries: dict[tuple[TreePath, str], dict[str, Port]] = {}
-
-    def port(self, node: Node, place: str) -> Port:
+        self.port = cache(self._find)
         """What a node is; raises `ExperimentError` for a connector that does not exist."""
-        if node not in self._known:
-            self._known[node] = self._find(node, place)
-        return self._known[node]
+        self._entries = cache(self._read_dictionary)
 
     def variable_unit(self, node: Node) -> Unit | None:
         """The unit of the FMU's variable, whatever the connector says."""
@@ -70,46 +66,40 @@ class Ports:
 
     def referred(self, path: TreePath, reference: DictionaryReference, name: str) -> Node:
         """The dictionary entry behind a reference's connector, in this or an enclosing system."""
-        system = path
-        while True:
-            for one in self.tree.system_at[system].element.dictionaries:
+        for depth in range(len(path), -1, -1):
+            for one in self.tree.system_at[path[:depth]].element.dictionaries:
                 if one.name == reference.dictionary:
-                    return Node(system, name, one.name)
-            if not system:
-                break
-            system = system[:-1]
+                    return Node(path[:depth], name, one.name)
         where = self.tree.system_at[path].scope.where
         raise ExperimentError(
             f"{where}: signal dictionary reference {'.'.join((*path, reference.name))}: there is "
             f"no dictionary {reference.dictionary!r} in its system or around it"
         )
 
-    def _find(self, node: Node, place: str) -> Port:
+    def _find(self, node: Node) -> Port:
         if node.dictionary:
             entries = self._entries(node.path, node.dictionary)
             if node.name not in entries:
                 hint = nearest(node.name, entries)
-                raise ExperimentError(
-                    f"{place}: dictionary {node.dictionary} has no {node.name!r}; {hint}"
-                )
+                raise ExperimentError(f"dictionary {node.dictionary} has no {node.name!r}; {hint}")
             return entries[node.name]
         if node.path in self.tree.fmu_at:
-            return self._of_fmu(node, place)
+            return self._of_fmu(node)
         system = self.tree.system_at[node.path]
         connector = system.element.connector(node.name)
         if connector is None:
             hint = nearest(node.name, [c.name for c in system.element.connectors])
-            raise ExperimentError(f"{place}: there is no connector {node}; {hint}")
+            raise ExperimentError(f"there is no connector {node}; {hint}")
         return _typed(connector.kind, connector.type, system.scope.definitions)
 
-    def _of_fmu(self, node: Node, place: str) -> Port:
+    def _of_fmu(self, node: Node) -> Port:
         fmu = self.tree.fmu_at[node.path]
         description = self.describe(fmu.source)
         target = find_target(description, node.name)
         connector = fmu.element.connector(node.name)
         if target is None:
             raise ExperimentError(
-                f"{place}: FMU {fmu.source.name} of {'.'.join(node.path)} has no variable "
+                f"FMU {fmu.source.name} of {'.'.join(node.path)} has no variable "
                 f"{node.name!r}; {nearest(node.name, description.variables)}"
             )
         variable = target[0]
@@ -120,21 +110,11 @@ class Ports:
         kind = said.kind if said.kind not in ("inout", "unspecified") else variable.causality
         return Port(kind, said.unit or own, said.type or variable.type, said.items)
 
-    def _entries(self, path: TreePath, name: str) -> dict[str, Port]:
-        if (path, name) not in self._dictionaries:
-            self._dictionaries[path, name] = self._read_dictionary(path, name)
-        return self._dictionaries[path, name]
-
     def _read_dictionary(self, path: TreePath, name: str) -> dict[str, Port]:
         system = self.tree.system_at[path]
         given = next(d for d in system.element.dictionaries if d.name == name)
-        place, content = f"signal dictionary {name}", given.inline
-        if given.source is not None:
-            content = system.scope.document(Dictionary, given.source, place)
-        if content is None:
-            raise ExperimentError(
-                f"{system.scope.where}: {place} has neither a source nor a content"
-            )
+        with at(f"{system.scope.where}: signal dictionary {name}"):
+            content = system.scope.content(Dictionary, given, DICTIONARY_TYPE)
         definitions = Definitions(content)
         return {one.name: _typed("inout", one.type, definitions) for one in content.entries}
 
@@ -143,12 +123,6 @@ def _typed(kind: str, given: DataType | None, known: Definitions) -> Port:
     if given is None:
         return Port(kind)
     return Port(kind, known.unit(given.unit), given.kind, known.items(given.name))
-
-
-def reference_at(system: SystemElement, name: str) -> DictionaryReference | None:
-    """The dictionary reference of that name in a system."""
-    references = (one for one in system.elements if isinstance(one, DictionaryReference))
-    return next((one for one in references if one.name == name), None)
 
 
 def unit_of(variable: Variable | None, description: ModelDescription) -> Unit | None:

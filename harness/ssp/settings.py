@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from html import escape
+from itertools import chain, count
 from typing import Any
 
 from harness.errors import ExperimentError, nearest
@@ -32,7 +33,7 @@ OSP_NAMESPACE = ("osp", "http://opensimulationplatform.com/SSP/OSPAnnotations")
 """Prefix and namespace, to be declared by the root element: libcosim takes a declaration within
 `osp:Algorithm` for an algorithm that it does not know."""
 
-_STEPS = (("FixedStepAlgorithm", "baseStepSize"), ("FixedStepMaster", "stepSize"))
+_STEPS = {"FixedStepAlgorithm": "baseStepSize", "FixedStepMaster": "stepSize"}
 
 
 def settings_of(
@@ -66,11 +67,10 @@ def fixed_step(structure: SystemStructure) -> tuple[float, str] | None:
     """The step that another tool's annotation states, and the type of that annotation."""
     of_experiment = structure.experiment.annotations if structure.experiment else ()
     for one in (*of_experiment, *structure.system.annotations, *structure.annotations):
-        for content in one.more:
-            for element in markup.parsed(content).iter("{*}*"):
-                for tag, name in _STEPS:
-                    if element.tag.rpartition("}")[2] == tag and element.get(name):
-                        return _step(element.get(name), one.type)
+        for element in (e for content in one.more for e in markup.parsed(content).iter("{*}*")):
+            name = _STEPS.get(element.tag.rpartition("}")[2])
+            if name and element.get(name):
+                return _step(element.get(name), one.type)
     return None
 
 
@@ -87,6 +87,12 @@ def osp_step(step: float) -> Annotation:
 def safe_name(name: str) -> str:
     """A name that is fit for a file or a column: what is not becomes "_"."""
     return _SAFE_NAME.sub("_", name)[:120].strip() or "_"
+
+
+def unique(name: str, taken: Collection[str], suffix: str = "") -> str:
+    """`name` and `suffix`, with a number between them where that is `taken`."""
+    numbered = (f"{name}_{number}{suffix}" for number in count(2))
+    return next(one for one in chain([name + suffix], numbered) if one not in taken)
 
 
 def check_names(settings: Mapping[str, Any], where: str) -> None:

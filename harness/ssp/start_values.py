@@ -15,14 +15,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 from warnings import warn
 
-from harness.errors import ExperimentError, HarnessError, UsageError
+from harness.errors import at
 from harness.fmi.start_values import configured, find_target, judge_start_values
 from harness.ssp.change import Items
-from harness.ssp.document import ParameterBinding
 from harness.ssp.flatten import FlatWire, change_along
 from harness.ssp.parameter_values import Value, bound_values
 from harness.ssp.ports import Node, Ports
-from harness.ssp.tree import FmuNode, Scope, SystemNode, Tree, TreePath
+from harness.ssp.tree import FmuNode, SystemNode, TreePath
 
 Bound = dict[Node, "_Bound"]
 TreeNode = SystemNode | FmuNode
@@ -37,26 +36,25 @@ class _Bound:
     place: str
 
 
-def start_values(
-    tree: Tree, ports: Ports, wires: tuple[FlatWire, ...]
-) -> dict[TreePath, dict[str, Any]]:
+def start_values(ports: Ports, wires: tuple[FlatWire, ...]) -> dict[TreePath, dict[str, Any]]:
     """The start values of each FMU by variable, in the order in which they are bound."""
     bound: Bound = {}
     order = 0
-    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
-    for node in sorted(nodes, key=lambda one: len(one.path)):
-        source = node.element.source if isinstance(node, FmuNode) else None
-        for one, scope in _bindings(node):
+    for node in sorted(ports.tree.nodes, key=lambda one: len(one.path)):
+        fmu = node.element.source if isinstance(node, FmuNode) else None
+        for one, scope in node.bindings:
             place = f"{scope.where}: parameter binding of {'.'.join(node.path) or 'the system'}"
-            for name, value in bound_values(one, scope, source, place):
+            with at(place):
+                values = list(bound_values(one, scope, fmu, place))
+            for name, value in values:
                 order += 1
                 given = _Bound(value, (-len(node.path), order), f"{place}: {name}")
-                _give(bound, tree, ports, node, name, given)
+                _give(bound, ports, node, name, given)
     _propagate(bound, wires, ports)
     raw: dict[TreePath, dict[str, Any]] = {}
     for end, given in bound.items():
-        if end.path in tree.fmu_at and not end.dictionary:
-            items = given.value.items or ports.port(end, given.place).items or {}
+        if end.path in ports.tree.fmu_at and not end.dictionary:
+            items = given.value.items or ports.port(end).items or {}
             raw.setdefault(end.path, {})[end.name] = _content(given.value, items)
     return {path: _judged(path, values, bound, ports) for path, values in raw.items()}
 
@@ -66,10 +64,8 @@ def _judged(path: TreePath, values: dict[str, Any], bound: Bound, ports: Ports) 
     found = dict(values)
     d = configured(ports.describe(ports.tree.fmu_at[path].source), values)
     for name, value in values.items():
-        try:
+        with at(bound[Node(path, name)].place):
             told = judge_start_values(d, {name: value}, component=".".join(path)).told
-        except UsageError as fault:
-            raise ExperimentError(f"{bound[Node(path, name)].place}: {fault}") from fault
         found[name] = told.get(name, value)
     return found
 
@@ -79,30 +75,21 @@ def _content(value: Value, items: Items) -> Any:
     return made[0] if len(made) == 1 and not value.array else made
 
 
-def _bindings(node: TreeNode) -> tuple[tuple[ParameterBinding, Scope], ...]:
-    if isinstance(node, SystemNode):
-        return node.bindings
-    return tuple((one, node.scope) for one in node.element.bindings)
-
-
-def _give(bound: Bound, tree: Tree, ports: Ports, node: TreeNode, name: str, given: _Bound) -> None:
+def _give(bound: Bound, ports: Ports, node: TreeNode, name: str, given: _Bound) -> None:
     """Bind a value to every variable and connector of that hierarchical name."""
-    ends = list(_named(tree, ports, node, name))
+    ends = list(_named(ports, node, name))
     if not ends:
         warn(f"{given.place} fits no variable and is ignored", stacklevel=2)
     for end in ends:
         if end in bound and bound[end].rank > given.rank:
             continue
-        try:
-            bound[end] = replace(given, value=given.value.settled(ports.port(end, given.place)))
-        except HarnessError as fault:
-            raise ExperimentError(f"{given.place}: {fault}") from fault
+        with at(given.place):
+            bound[end] = replace(given, value=given.value.settled(ports.port(end)))
 
 
-def _named(tree: Tree, ports: Ports, node: TreeNode, name: str) -> Iterator[Node]:
+def _named(ports: Ports, node: TreeNode, name: str) -> Iterator[Node]:
     depth = len(node.path)
-    nodes: list[TreeNode] = [*tree.systems, *tree.fmus]
-    for one in nodes:
+    for one in ports.tree.nodes:
         prefix = "".join(f"{part}." for part in one.path[depth:])
         if one.path[:depth] != node.path or not name.startswith(prefix):
             continue
@@ -128,8 +115,6 @@ def _propagate(bound: Bound, wires: tuple[FlatWire, ...], ports: Ports) -> None:
             if own is not None:
                 warn(f"{own.place} is not used: {edge.place} gives the value", stacklevel=2)
             change = change_along(wire.edges[index:], ports, given.value.unit)
-            try:
+            with at(given.place):
                 bound[wire.target] = replace(given, value=given.value.changed(change))
-            except HarnessError as fault:
-                raise ExperimentError(f"{given.place}: {fault}") from fault
             break

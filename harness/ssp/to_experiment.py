@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from warnings import warn
 
-from harness.errors import ExperimentError, UnitError
+from harness.errors import ExperimentError, UnitError, at
 from harness.experiment.experiment import Experiment, merge
 from harness.experiment.schema import (
     ConnectionSpec,
@@ -31,9 +31,9 @@ from harness.ssp.change import as_float
 from harness.ssp.common import LinearTransformation
 from harness.ssp.defaults import own_steps, times
 from harness.ssp.flatten import FlatWire, change_along, flat_wires
-from harness.ssp.package import Package, open_package
+from harness.ssp.package import Package, open_package, read_bytes
 from harness.ssp.ports import Ports
-from harness.ssp.settings import check_names, safe_name, settings_of
+from harness.ssp.settings import check_names, safe_name, settings_of, unique
 from harness.ssp.start_values import start_values
 from harness.ssp.tree import FmuNode, Tree, TreePath, build_tree
 from harness.system.policy import Policy
@@ -77,20 +77,16 @@ def open_experiment(
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
             tree = build_tree(package, file, stack)
-            table = _Importer(package, file, tree, Ports(tree, describe), in_process).table()
+            table = _Importer(package, file, Ports(tree, describe), in_process).table()
             variants[names[file]] = merge(table, settings or {})
-        first = next(iter(variants.values()))
-        report = first.pop("report", {})
+        report = next(iter(variants.values())).get("report", {})
         for table in variants.values():
             table.pop("order", None)
-        base = {k: v for k, v in first.items() if k != "label"} | report
-        complete = {
-            name: {k: v for k, v in table.items() if k != "report"} | {"whole": True}
-            for name, table in variants.items()
-        }
-        yield Experiment.from_data(
-            merge(base, settings or {}) | {"variants": complete}, package.path
-        )
+            table.pop("report", None)
+        base = {k: v for k, v in next(iter(variants.values())).items() if k != "label"} | report
+        complete = {name: {**table, "standalone": True} for name, table in variants.items()}
+        data = merge(base, settings or {}) | {"variants": complete}
+        yield Experiment.from_data(data, package.path)
 
 
 def describe_fmu(path: Path) -> ModelDescription:
@@ -105,11 +101,9 @@ def variant_names(package: Package) -> dict[str, str]:
     names = [one.name for one in package.structures.values()]
     found: dict[str, str] = {}
     for file, structure in package.structures.items():
-        unique = names.count(structure.name) == 1
-        name = safe_name(structure.name if unique else Path(file).stem)
-        while name in found.values():
-            name += "_"
-        found[file] = name
+        single = names.count(structure.name) == 1
+        name = safe_name(structure.name if single else Path(file).stem)
+        found[file] = unique(name, found.values())
     return found
 
 
@@ -126,7 +120,6 @@ def _ordered(package: Package, names: Mapping[str, str]) -> list[str]:
 class _Importer:
     package: Package
     file: str
-    tree: Tree
     ports: Ports
     in_process: bool
 
@@ -140,18 +133,18 @@ class _Importer:
         top = settings_of(structure.annotations, TOP_SETTINGS, self.where)
         check_names(top, self.where)
         check_names(top.get("report", {}), self.where)
-        wires = flat_wires(self.tree, self.ports)
-        starts = start_values(self.tree, self.ports, wires)
-        names = flat_names(self.tree)
+        wires = flat_wires(self.ports)
+        starts = start_values(self.ports, wires)
+        names = flat_names(self.ports.tree)
         components = {
             names[node.path]: self._component(node, starts.get(node.path, {}))
-            for node in self.tree.fmus
+            for node in self.ports.tree.fmus
         }
         if not components:
             raise ExperimentError(f"{self.where} has no FMU to run")
         fmus = {
             names[node.path]: self.ports.describe(node.source)
-            for node in self.tree.fmus
+            for node in self.ports.tree.fmus
             if "fmu" in components[names[node.path]]
         }
         title = {"title": structure.system.description or structure.description or structure.name}
@@ -180,7 +173,8 @@ class _Importer:
             if not changed and not starts:
                 parameters = own.get("parameters")
                 if stands_for == "signal" and isinstance(parameters, dict) and "file" in parameters:
-                    file = self.package.resolve(str(parameters["file"]), place)
+                    with at(place):
+                        file = self.package.resolve(str(parameters["file"]))
                     own["parameters"] = {**parameters, "file": str(file)}
                 return own
             what = "its FMU was exchanged" if changed else "it has parameters of its own"
@@ -203,21 +197,20 @@ class _Importer:
         plain = len(wire.edges) == 1 and isinstance(linear, LinearTransformation)
         if plain and self._as_the_harness_converts(wire):
             assert isinstance(linear, LinearTransformation)
-            numbers: Table = {"factor": linear.factor, "offset": linear.offset}
-            numbers["convert_units"] = not only.suppress_unit_conversion
-            return made | _unless(numbers) | own
-        source = self.ports.port(wire.source, wire.edges[0].place)
+            made |= {"factor": linear.factor, "offset": linear.offset}
+            return made | {"convert_units": not only.suppress_unit_conversion} | own
+        source = self.ports.port(wire.source)
         change = change_along(wire.edges, self.ports, source.unit)
         if change.table:
             table = {"kind": "value_map", "table": [list(pair) for pair in change.table]}
             own["imperfections"] = [table, *own.get("imperfections", ())]
-        numbers = {"factor": as_float(change.factor), "offset": as_float(change.offset)}
-        return made | _unless(numbers | {"convert_units": False}) | own
+        made |= {"factor": as_float(change.factor), "offset": as_float(change.offset)}
+        return made | {"convert_units": False} | own
 
     def _as_the_harness_converts(self, wire: FlatWire) -> bool:
         """Whether the variables' units, which the harness knows, say what the connectors say."""
         edge = wire.edges[0]
-        said = [self.ports.port(end, edge.place).unit for end in (wire.source, wire.target)]
+        said = [self.ports.port(end).unit for end in (wire.source, wire.target)]
         known = [self.ports.variable_unit(end) for end in (wire.source, wire.target)]
         if edge.connection.suppress_unit_conversion:
             return True
@@ -227,30 +220,15 @@ class _Importer:
             return False
 
 
-_PLAIN = {"factor": 1.0, "offset": 0.0, "convert_units": True}
-
-
-def _unless(given: Table) -> Table:
-    """Without what is the default."""
-    return {key: value for key, value in given.items() if value != _PLAIN[key]}
-
-
 def flat_names(tree: Tree) -> dict[TreePath, str]:
     """A component name for each FMU: its path joined by "_", each name once."""
     found: dict[TreePath, str] = {}
     for node in tree.fmus:
-        name = plain = "_".join(part.replace(".", "_").replace("/", "_") for part in node.path)
-        number = 1
-        while name in found.values():
-            number += 1
-            name = f"{plain}_{number}"
-        found[node.path] = name
+        name = "_".join(part.replace(".", "_").replace("/", "_") for part in node.path)
+        found[node.path] = unique(name, found.values())
     return found
 
 
 def sha256(path: Path) -> str:
     """The hash of a file, in hexadecimal; raises `ExperimentError`."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as fault:
-        raise ExperimentError(f"{path} cannot be read: {fault}") from fault
+    return hashlib.sha256(read_bytes(path, str(path))).hexdigest()

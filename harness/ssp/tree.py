@@ -8,6 +8,7 @@ its own. Nothing is opened but descriptions and packages.
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
@@ -16,11 +17,11 @@ from pathlib import Path
 from urllib.parse import unquote
 from warnings import warn
 
-from harness.errors import ExperimentError, nearest
+from harness.errors import ExperimentError, at, nearest
 from harness.ssp import binding
 from harness.ssp import document as ssd
 from harness.ssp.binding import E
-from harness.ssp.package import DEFAULT, Package, open_package, read_bytes
+from harness.ssp.package import DEFAULT, Package, open_package, read_document
 from harness.ssp.parameters import Dictionary, ParameterSet
 from harness.system.units import Unit, parse_unit
 
@@ -65,14 +66,38 @@ class Scope:
         """The units and enumerations that the document defines."""
         return Definitions(self.structure)
 
-    def resolve(self, uri: str, place: str) -> Path:
-        """The file that a URI of this document names."""
-        return self.package.resolve(uri, f"{self.where}: {place}", self.folder)
+    def resolve(self, uri: str) -> Path:
+        """The file that a URI of this document names; raises `ExperimentError`."""
+        return self.package.resolve(uri, self.folder)
 
-    def document(self, kind: type[E], uri: str, place: str) -> E:
-        """The document at a URI of this one, which `place` names; raises `ExperimentError`."""
-        where = f"{self.where}: {place}"
-        return binding.read(kind, read_bytes(self.resolve(uri, place), where), f"{where}: {uri}")
+    def content(self, kind: type[E], given: ssd.Reference, legal: str, fmu: str | None = None) -> E:
+        """What is `given` inline or by a source, relative to this document or into the `fmu` at
+        that URI; its type must be the `legal` one. Raises `ExperimentError`."""
+        if given.type != legal:
+            raise ExperimentError(
+                f"a {kind.__name__} of type {given.type!r} cannot be read; {legal} can"
+            )
+        uri = given.source
+        if uri is None:
+            if isinstance(given.inline, kind):
+                return given.inline
+            raise ExperimentError(f"the {kind.__name__} has neither a source nor a content")
+        if given.source_base == "SSD":
+            return read_document(kind, self.resolve(uri), uri)
+        if fmu is None:
+            raise ExperimentError(f"{uri!r} is relative to a component without FMU")
+        return binding.read(kind, _member(self.resolve(fmu), uri), uri)
+
+
+def _member(archive: Path, name: str) -> bytes:
+    try:
+        with zipfile.ZipFile(archive) as opened:
+            return opened.read(name)
+    except (OSError, KeyError, zipfile.BadZipFile, RuntimeError) as fault:
+        raise ExperimentError(f"{archive.name} has no readable {name!r}") from fault
+
+
+Bindings = tuple[tuple[ssd.ParameterBinding, Scope], ...]
 
 
 @dataclass(frozen=True)
@@ -82,7 +107,7 @@ class SystemNode:
     path: TreePath
     element: ssd.SystemElement
     scope: Scope
-    bindings: tuple[tuple[ssd.ParameterBinding, Scope], ...]
+    bindings: Bindings
 
 
 @dataclass(frozen=True)
@@ -94,6 +119,11 @@ class FmuNode:
     scope: Scope
     source: Path
 
+    @property
+    def bindings(self) -> Bindings:
+        """The parameters that are bound to it."""
+        return tuple((one, self.scope) for one in self.element.bindings)
+
 
 @dataclass(frozen=True)
 class Tree:
@@ -101,6 +131,11 @@ class Tree:
 
     systems: tuple[SystemNode, ...]
     fmus: tuple[FmuNode, ...]
+
+    @property
+    def nodes(self) -> tuple[SystemNode | FmuNode, ...]:
+        """All of them, the systems first."""
+        return (*self.systems, *self.fmus)
 
     @cached_property
     def system_at(self) -> Mapping[TreePath, SystemNode]:
@@ -115,14 +150,17 @@ class Tree:
 
 def build_tree(package: Package, file: str, stack: ExitStack) -> Tree:
     """The tree of a root description; packages inside it are open until `stack` closes."""
-    structure = package.structures[file]
-    builder = _Builder(stack)
-    builder.add_system((), structure.system, _scope(package, structure, file), ())
+    builder, scope = _Builder(stack), _scope(package, file)
+    builder.add_system((), scope.structure.system, scope, ())
     return Tree(tuple(builder.systems), tuple(builder.fmus))
 
 
-def _scope(package: Package, structure: ssd.SystemStructure, file: str) -> Scope:
-    return Scope(package, structure, package.folder, package.where(file))
+def _scope(package: Package, file: str) -> Scope:
+    """A root description of a package; raises `ExperimentError`."""
+    if file not in package.structures:
+        hint = nearest(file, package.structures)
+        raise ExperimentError(f"{package.path} has no root description {file!r}; {hint}")
+    return Scope(package, package.structures[file], package.folder, package.where(file))
 
 
 @dataclass
@@ -131,17 +169,12 @@ class _Builder:
     systems: list[SystemNode] = field(default_factory=list)
     fmus: list[FmuNode] = field(default_factory=list)
     packages: dict[Path, Package] = field(default_factory=dict)
-    entered: list[object] = field(
-        default_factory=list
-    )  # documents and systems that the current one is in
+    documents: dict[Path, Scope] = field(default_factory=dict)
+    entered: list[int] = field(default_factory=list)  # ids of the systems around the current one
     count: int = 0
 
     def add_system(
-        self,
-        path: TreePath,
-        element: ssd.SystemElement,
-        scope: Scope,
-        bindings: tuple[tuple[ssd.ParameterBinding, Scope], ...],
+        self, path: TreePath, element: ssd.SystemElement, scope: Scope, bindings: Bindings
     ) -> None:
         """A system with all that is in it; `bindings` are those given from outside."""
         place = f"{scope.where}: system {'.'.join(path) or element.name}"
@@ -163,67 +196,52 @@ class _Builder:
                 self._add_component((*path, one.name), one, scope)
 
     def _add_component(self, path: TreePath, one: ssd.Component, scope: Scope) -> None:
+        """An FMU, or the system that a component stands for, with the connectors that only the
+        component states."""
         place = f"{scope.where}: component {'.'.join(path)}"
         if one.source is None:
             warn(f"{place} has no source; it is taken as an empty system", stacklevel=2)
-            self._replace(path, one, scope, ssd.SystemElement(name=one.name), scope, path)
-        elif one.source.startswith("#"):
-            found = _by_id(scope.structure.system, one.source[1:])
-            if found is None:
-                raise ExperimentError(f"{place}: no system has the id {one.source[1:]!r}")
-            self._replace(path, one, scope, found, scope, id(found))
-        elif one.type == ssd.FMU_TYPE:
-            source = scope.resolve(one.source, f"component {'.'.join(path)}")
-            self.fmus.append(FmuNode(path, one, scope, source))
-        elif one.type in (ssd.SSD_TYPE, ssd.SSP_TYPE):
-            inner = self._referred(one, scope, place)
-            document = scope.resolve(one.source.partition("#")[0], place)
-            key = (document, inner.structure.name)
-            self._replace(path, one, scope, inner.structure.system, inner, key)
-        else:
-            raise ExperimentError(
-                f"{place} is of type {one.type!r}; FMUs ({ssd.FMU_TYPE}) and other descriptions "
-                "can be run"
-            )
-
-    def _replace(
-        self,
-        path: TreePath,
-        one: ssd.Component,
-        scope: Scope,
-        system: ssd.SystemElement,
-        inner: Scope,
-        key: object,
-    ) -> None:
-        """A system in the place of a component, with the connectors that only the latter states,
-        unless it is in that system, known by `key`, itself."""
-        if key in self.entered:
-            place = f"{scope.where}: component {'.'.join(path)}"
-            raise ExperimentError(f"{place}: {one.source!r} would be a part of itself")
-        self.entered.append(key)
+        with at(place):
+            in_document = one.source is None or one.source.startswith("#")
+            if one.type == ssd.FMU_TYPE and not in_document:
+                self.fmus.append(FmuNode(path, one, scope, scope.resolve(one.source or "")))
+                return
+            system, inner = self._system_of(one, scope)
+            if id(system) in self.entered:
+                raise ExperimentError(f"{one.source!r} would be a part of itself")
+        self.entered.append(id(system))
         known = {c.name for c in system.connectors}
         more = tuple(c for c in one.connectors if c.name not in known)
         merged = replace(system, name=one.name, connectors=(*system.connectors, *more))
         self.add_system(path, merged, inner, tuple((b, scope) for b in one.bindings))
         self.entered.pop()
 
-    def _referred(self, one: ssd.Component, scope: Scope, place: str) -> Scope:
-        """The document that a component names, of a package or beside its own."""
-        uri, _, fragment = (one.source or "").partition("#")
-        path = scope.resolve(uri, place.rpartition(": ")[2])
+    def _system_of(self, one: ssd.Component, scope: Scope) -> tuple[ssd.SystemElement, Scope]:
+        """The system that a component names, of this document, of one beside it or of a package."""
+        if one.source is None:
+            return ssd.SystemElement(name=one.name), scope
+        uri, _, fragment = one.source.partition("#")
+        if not uri:
+            found = _by_id(scope.structure.system, fragment)
+            if found is None:
+                raise ExperimentError(f"no system has the id {fragment!r}")
+            return found, scope
+        path = scope.resolve(uri)
         if one.type == ssd.SSD_TYPE:
-            where = f"{scope.where}: {uri}"
-            structure = binding.read(ssd.SystemStructure, read_bytes(path, where), where)
-            return Scope(scope.package, structure, path.parent, where)
+            if path not in self.documents:
+                where = f"{scope.where}: {uri}"
+                structure = read_document(ssd.SystemStructure, path, uri)
+                self.documents[path] = Scope(scope.package, structure, path.parent, where)
+            return self.documents[path].structure.system, self.documents[path]
+        if one.type != ssd.SSP_TYPE:
+            raise ExperimentError(
+                f"it is of type {one.type!r}; FMUs ({ssd.FMU_TYPE}) and other descriptions can "
+                "be run"
+            )
         if path not in self.packages:
             self.packages[path] = self.stack.enter_context(open_package(path))
-        package, file = self.packages[path], unquote(fragment) or DEFAULT
-        if file not in package.structures:
-            raise ExperimentError(
-                f"{place}: {uri} has no root description {file!r}; "
-                f"{nearest(file, package.structures)}"
-            )
-        return _scope(package, package.structures[file], file)
+        inner = _scope(self.packages[path], unquote(fragment) or DEFAULT)
+        return inner.structure.system, inner
 
 
 def _by_id(system: ssd.SystemElement, wanted: str) -> ssd.SystemElement | None:

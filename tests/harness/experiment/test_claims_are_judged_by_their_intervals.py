@@ -111,7 +111,7 @@ def test_names_that_are_not_there(variant: str, metric: str, words: str) -> None
         ("below = 0.0", "", "exactly one of below, above and near"),
         ("below = 0.0", "below = 0.0\nabove = 1.0", "exactly one of below, above and near"),
         ('untestable = "there', 'untestabel = "there', "untestabel: unknown key"),
-        ("[[claims]]", "[claims]", "claims file .* cannot be read"),
+        ("[[claims]]", "[claims]", "claims file .* is no valid TOML"),
     ],
 )
 def test_faults_of_a_file(tmp_path: Path, before: str, after: str, words: str) -> None:

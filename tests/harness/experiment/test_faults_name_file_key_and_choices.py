@@ -19,6 +19,7 @@ CASES = [
     ('signal = "step"', 'signl = "step"', "reference: must have exactly one of the keys"),
     ('signal = "step"', 'signal = "stp"', "component reference: unknown.*'stp': did.*'step'"),
     ("final = 2.0", "fnal = 2.0", "no key 'fnal'.*did you mean 'final'"),
+    ("final = 2.0", "final = 2.0, step = 0.1", "reference: a parameter may not be called 'step'"),
     ('"pid"', '"pdi"', "no controller 'pdi'; did you mean 'pid'"),
     ("kp = 0.5", "kpp = 0.5", "controller: PID has no parameter 'kpp'; did.*'kp'"),
     ("delay = 0.01", "dealy = 0.01", r"dealy: unknown key; did you mean 'delay'"),

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 from numpy.random import SeedSequence
 
 from harness.clock import nearest_nanosecond, seconds_of
-from harness.instruments.pulses import Pulse, Square
 from harness.instruments.source import SignalSource
-from harness.instruments.waveforms import MultiStep, Ramp, Step
+from harness.instruments.waveforms import MultiStep, Pulse, Ramp, Square, Step
 
 
 def at(source: SignalSource, *instants: int) -> list[float]:

@@ -6,7 +6,7 @@ from numpy.random import SeedSequence
 
 from harness.errors import SimulationError
 from harness.instruments.composition import Function
-from harness.instruments.pulses import PRIMITIVE_TAPS, Prbs
+from harness.instruments.noise import TAPS, Prbs
 from harness.instruments.source import SignalSource
 from harness.instruments.waveforms import Chirp, Sine
 
@@ -36,7 +36,7 @@ def test_a_chirp_has_the_frequency_of_its_sweep(sweep: str) -> None:
     assert angle(np.array([-1.0, 0.0])).tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize("order", sorted(PRIMITIVE_TAPS))
+@pytest.mark.parametrize("order", sorted(TAPS))
 def test_a_prbs_has_the_two_valued_autocorrelation_of_a_maximal_sequence(order: int) -> None:
     n = 2**order - 1
     times = np.arange(n, dtype=np.int64) * 1000

@@ -89,8 +89,8 @@ class Read:
             package = stack.enter_context(open_package(path))
             self.tree: Tree = build_tree(package, next(iter(package.structures)), stack)
             self.ports = Ports(self.tree, lambda source: description)
-            self.wires: tuple[FlatWire, ...] = flat_wires(self.tree, self.ports)
-            found = start_values(self.tree, self.ports, self.wires)
+            self.wires: tuple[FlatWire, ...] = flat_wires(self.ports)
+            found = start_values(self.ports, self.wires)
         self.starts = {".".join(path): values for path, values in found.items()}
 
     def paths(self) -> dict[str, str]:

@@ -24,7 +24,7 @@ def real(unit: str = "") -> str:
 def numbers(path: Path, inner: str) -> tuple[float, float]:
     read = Read(folder(path, {"SystemStructure.ssd": ssd(inner, ENUMERATIONS + UNITS)}))
     (one,) = [wire for wire in read.wires if wire.driven]
-    source = read.ports.port(one.source, "test")
+    source = read.ports.port(one.source)
     change = change_along(one.edges, read.ports, source.unit)
     return as_float(change.factor), as_float(change.offset)
 
