@@ -29,7 +29,12 @@ def quantise_step(p: Array, x: Array, u: Array, y: Array) -> None:
 
 def saturate_step(p: Array, x: Array, u: Array, y: Array) -> None:
     """y = u within [p0, p1]."""
-    y[0] = min(max(u[0], p[0]), p[1])
+    if u[0] < p[0]:
+        y[0] = p[0]
+    elif u[0] > p[1]:
+        y[0] = p[1]
+    else:
+        y[0] = u[0]
 
 
 def rate_limit_step(p: Array, x: Array, u: Array, y: Array) -> None:
@@ -37,8 +42,12 @@ def rate_limit_step(p: Array, x: Array, u: Array, y: Array) -> None:
     if x[1] == 0.0:
         y[0] = u[0]
         x[1] = 1.0
+    elif u[0] - x[0] > p[0]:
+        y[0] = x[0] + p[0]
+    elif u[0] - x[0] < -p[1]:
+        y[0] = x[0] - p[1]
     else:
-        y[0] = min(max(u[0], x[0] - p[1]), x[0] + p[0])
+        y[0] = u[0]
     x[0] = y[0]
 
 
