@@ -9,9 +9,7 @@ import typer
 from rich import box
 
 from harness import registry
-from harness.cli.notices import notices
-from harness.cli.progress import bar
-from harness.cli.terminal import console, say, table
+from harness.cli.terminal import bar, console, say, table
 from harness.errors import UsageError
 
 
@@ -40,21 +38,16 @@ def reproduce_command(
     root = output or registry.run_folder("reproduce")
     if update and fast:
         raise UsageError("the fast subset decides nothing, so --update does not go with --fast")
-    with notices(), Workers(jobs, isolated=True) as workers:
+    with Workers(jobs, isolated=True) as workers:
         for paper in loaded:
-            with bar() as progress:
-                task = progress.add_task(paper.name, total=1.0)
-                done = reproduce(
-                    paper, root / paper.name, fast=fast, workers=workers,
-                    report=lambda what, share, t=task, p=progress: p.update(  # type: ignore[misc]
-                        t, description=what, completed=share
-                    ),
-                )  # fmt: skip
-                progress.update(task, description=paper.name, completed=1.0)
+            with bar(paper.name) as moved:
+                folder = root / paper.name
+                done = reproduce(paper, folder, fast=fast, workers=workers, report=moved)
+                moved(1.0)
             headings, *rows = (row[:5] for row in verdict_rows(done))
             title = paper.claims.paper
             console().print(table(headings, rows, title=title, box=box.HEAVY_HEAD))
-            written = [write_page(done, root / paper.name)]
+            written = [write_page(done, folder)]
             if update:
                 written.append(update_readme(done))
             for path in written:

@@ -7,15 +7,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.limits import (
-    CallTimeout,
-    Isolate,
-    MemoryLimit,
-    RunTimeout,
-    interruptible,
-    limits_of,
-)
-from harness.cli.notices import notices
+from harness.cli.options import CallTimeout, Isolate, MemoryLimit, RunTimeout, limits_of
 from harness.cli.terminal import console, say, table
 from harness.errors import HarnessError
 
@@ -32,8 +24,7 @@ def verify_command(
     """Replay the parity certificate of an FMU; exit code 1 where it does not agree."""
     from harness.export.verify import verify
 
-    with notices(), interruptible():
-        found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
+    found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
     certificate = found.certificate
     say(
         f"{certificate.model}: {certificate.rows} steps of {certificate.step:g} s against "

@@ -22,8 +22,8 @@ CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
 """Names of the parts of a paper's README that are filled from runs, between markers."""
 
-Report = Callable[[str, float], None]
-"""Called with the name of what is being run and the share of it that is done."""
+Report = Callable[[float, str], None]
+"""Called with the share that is done of what is being run, and its name."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def _run(
     experiment: Experiment, folder: Path, workers: Workers, report: Report | None
 ) -> tuple[Evidence, tuple[Path, ...]]:
     def progress(what: str) -> Callable[[float], None]:
-        return lambda share: None if report is None else report(f"{experiment.name}{what}", share)
+        return lambda share: None if report is None else report(share, f"{experiment.name}{what}")
 
     results: dict[str, Result] = {}
     for variant in experiment.variants:
