@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import RecordingError
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.columns import TIME, Column, schema_of
 from harness.results.csv_files import write_csv_header, write_csv_rows
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
@@ -42,7 +42,8 @@ def seal(
     if not stream.exists():
         return read_recording(folder)
     written = manifest or read_manifest(folder)
-    try:
+    way_out = f"; its rows are in {STREAM_FILE}"
+    with writing(f"cannot write the results into {folder}", way_out=way_out):
         with atomic_write(folder / PARQUET_FILE) as table, atomic_write(folder / CSV_FILE) as text:
             last = _convert(stream, written.columns, table, text)
         if written.status.state == RUNNING:
@@ -51,10 +52,6 @@ def seal(
         written.write(folder)
         if not keep_stream:
             stream.unlink()
-    except OSError as fault:
-        raise RecordingError(
-            f"cannot write the results into {folder}: {fault}; its rows are in {STREAM_FILE}"
-        ) from fault
     return read_recording(folder)
 
 
