@@ -10,17 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness import registry
-from harness.cli.options import (
-    CallTimeout,
-    Changes,
-    ExperimentName,
-    FmiLogging,
-    Isolate,
-    MemoryLimit,
-    RunTimeout,
-    opened_experiment,
-    settings,
-)
+from harness.cli import options
 from harness.cli.terminal import bar, console, echo, say
 from harness.errors import HarnessError
 
@@ -30,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def run_command(
-    experiment: ExperimentName,
-    set_: Changes = None,
+    experiment: options.ExperimentName,
+    set_: options.Changes = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Run these variants only; repeatable")
     ] = None,
@@ -41,18 +31,18 @@ def run_command(
     study: Annotated[bool, typer.Option(help="Repeat over the seeds of [study]")] = False,
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
-    fmi_logging: FmiLogging = False,
-    call_timeout: CallTimeout = None,
-    run_timeout: RunTimeout = None,
-    memory_limit: MemoryLimit = None,
-    isolate: Isolate = False,
+    fmi_logging: options.FmiLogging = False,
+    call_timeout: options.CallTimeout = None,
+    run_timeout: options.RunTimeout = None,
+    memory_limit: options.MemoryLimit = None,
+    isolate: options.Isolate = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
-    changed = settings(set_, {"limits": {**limits, "isolate": isolate or None}})
-    with opened_experiment(experiment, changed) as loaded:
+    changed = options.settings(set_, {"limits": {**limits, "isolate": isolate or None}})
+    with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
@@ -68,7 +58,7 @@ def run_command(
 
 def resume_command(
     folder: Annotated[Path, typer.Argument(help="Run folder, as `run` named it")],
-    fmi_logging: FmiLogging = False,
+    fmi_logging: options.FmiLogging = False,
 ) -> None:
     """Go on with an interrupted run: variants that are complete are kept, others continue from
     their last checkpoint or begin."""

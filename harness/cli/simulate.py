@@ -9,15 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.options import (
-    CallTimeout,
-    FmiLogging,
-    Isolate,
-    MemoryLimit,
-    RunTimeout,
-    Validate,
-    limits_of,
-)
+from harness.cli import options
 from harness.cli.terminal import bar, console, echo, note, say, table
 from harness.errors import HarnessError, UsageError
 from harness.process.interrupts import TerminatedError
@@ -60,7 +52,7 @@ def simulate_command(
     ] = True,
     show_plot: Annotated[bool, typer.Option("--show-plot", help="Draw and open a plot")] = False,
     plot_file: Annotated[Path | None, typer.Option(help="PNG, SVG or PDF to draw")] = None,
-    fmi_logging: FmiLogging = False,
+    fmi_logging: options.FmiLogging = False,
     validate_against: Annotated[
         Path | None, typer.Option(help="CSV with a reference; exit code 1 where it differs")
     ] = None,
@@ -70,14 +62,14 @@ def simulate_command(
     value_band: Annotated[
         float, typer.Option(help="Half width of the band in value, relative to the range")
     ] = 0.01,
-    validate: Validate = True,
+    validate: options.Validate = True,
     allow_not_finite: Annotated[
         bool, typer.Option(help="Take NaN and infinity for values like others")
     ] = False,
-    call_timeout: CallTimeout = None,
-    run_timeout: RunTimeout = None,
-    memory_limit: MemoryLimit = None,
-    isolate: Isolate = False,
+    call_timeout: options.CallTimeout = None,
+    run_timeout: options.RunTimeout = None,
+    memory_limit: options.MemoryLimit = None,
+    isolate: options.Isolate = False,
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
     from harness.cli.cross_check import find_cross_check, read_options
@@ -96,7 +88,7 @@ def simulate_command(
     if input_file is None and beside.inputs is not None:
         input_file = beside.inputs
         note(f"inputs are taken from {beside.inputs}")
-    limits = limits_of(call_timeout, run_timeout, memory_limit, isolate)
+    limits = options.limits_of(call_timeout, run_timeout, memory_limit, isolate)
     with Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:
             output_variables = _recorded(opened, validate_against)
@@ -142,10 +134,10 @@ def _kept(result: Result, output_file: Path | None) -> str:
     return f"{until} were computed; --output-file FILE keeps them"
 
 
-def _filled(given: Request, options: Request, path: Path) -> Request:
+def _filled(given: Request, stated: Request, path: Path) -> Request:
     known = {name: value for name, value in vars(given).items() if value is not None}
     note(f"options are taken from {path}")
-    return replace(options, **known)
+    return replace(stated, **known)
 
 
 def _recorded(opened: Fmu, reference: Path) -> list[str]:

@@ -6,7 +6,7 @@ import copy
 import inspect
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -210,7 +210,7 @@ class Experiment:
             return result
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
-        return result.with_metrics(found)
+        return replace(result, metrics=found)
 
 
 class PreparedVariant:

@@ -65,7 +65,7 @@ def run_supervised(
     job = Job(system, tuple(record), tuple(needed), echo is not None, limits, resumed)
     rows = _Rows(open_recording, progress, echo)
     watch = Watch(
-        limits, rows.receive, look=rows.look, marker=rows.marker,
+        limits, receive=rows.receive, look=rows.look, marker=rows.marker,
         files={c.name: c.path for c in system.fmus},
     )  # fmt: skip
     warm_up(system)

@@ -20,7 +20,7 @@ from typing import Any
 from harness.compiler.machine_code import say_nothing
 from harness.errors import SimulationError
 from harness.process import sentence
-from harness.process.fork import WorkerProcess
+from harness.process.fork import WorkerProcess, memory_of
 from harness.process.interrupts import Interrupts
 from harness.process.isolation import isolate, missing
 from harness.process.limits import Deadlines, Limits
@@ -43,8 +43,8 @@ class Watch:
     def __init__(
         self,
         limits: Limits,
-        receive: Receive,
         *,
+        receive: Receive = lambda content: None,
         look: Look | None = None,
         files: Mapping[str, Path] | Path | None = None,
         marker: Marker | None = None,
@@ -140,7 +140,7 @@ class Watch:
 
     def _look(self, worker: WorkerProcess, deadlines: Deadlines) -> None:
         """See how far the worker is, and whether limits are kept."""
-        where, held, linked = self.marker.where(), worker.memory(), self._calls.linked
+        where, held, linked = self.marker.where(), memory_of(worker.pid), self._calls.linked
         if self._notice is not None and linked is not None:
             self.attempt(self._notice, min(1.0, where.cycle / linked.cycles))
         if limit := deadlines.exceeded(where, held):

@@ -106,7 +106,7 @@ class _Host(VisibleHost):
 
     def logged(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something."""
-        self._teller.logged(f"{component}: {shorten(message.text, 300)}")
+        self._teller.marker.logged(f"{component}: {shorten(message.text, 300)}")
         if self._job.logging:
             self._teller.tell(Logged(component, message))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -88,8 +88,6 @@ class Result:
         """The recorded names in the order of the files, without `time`."""
         return tuple(column.name for column in self.columns)
 
-    order = names
-
     @property
     def numeric(self) -> tuple[str, ...]:
         """The names of the columns of `data`."""
@@ -145,10 +143,6 @@ class Result:
             for name, rows in odd.items()
             if rows.size
         )
-
-    def with_metrics(self, metrics: Mapping[str, float | None]) -> Result:
-        """The same result with these metrics."""
-        return replace(self, metrics=dict(metrics))
 
     def dataframe(self) -> pd.DataFrame:
         """A pandas DataFrame, one column a name in its own type, indexed by time (s); units in
