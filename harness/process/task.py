@@ -44,12 +44,13 @@ class Teller:
         self.marker, self._connection = marker, connection
         self._sending = Lock()
 
-    def tell(self, content: Any, *, answered: bool = False) -> None:
-        """Send something picklable; it arrives even where the worker dies the next moment."""
-        self.send(Told(content, answered))
+    def tell(self, method: Callable[..., Any], *arguments: Any, answered: bool = False) -> None:
+        """Have a method called of whoever receives what is told, with arguments that can be
+        pickled; it arrives even where the worker dies the next moment."""
+        self.send(Told(method, arguments, answered))
 
     def answer(self) -> Any:
-        """Wait for the answer to the first `answered` content that has none yet."""
+        """Wait for the answer to the first `answered` call that has none yet."""
         assert self._connection is not None
         return self._connection.recv()
 
@@ -87,8 +88,8 @@ def run_task(
         if limits is not None and limits.isolate:
             raise UsageError("isolation needs a worker process of the run's own, on Linux")
         return work(Teller(Marker()))
-    watch = Watch(limits or Limits(), files=file)
-    watch.follow(partial(live, work, watch.marker))
+    watch = Watch(limits or Limits(), marker := Marker(), files=file)
+    watch.follow(partial(live, work, marker))
     if watch.fault is not None:
         raise watch.fault
     assert watch.done is not None
