@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.cells import cell_len
+from rich.cells import cell_len, set_cell_size
 from rich.table import Table
 
 from harness.cli.options import AsJson, FmuFile, Validate
@@ -49,9 +49,7 @@ def _show(rows: Sequence[Sequence[str]]) -> None:
         return
     widths = [max(map(cell_len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        cells = (
-            text + " " * (width - cell_len(text)) for text, width in zip(row, widths, strict=True)
-        )
+        cells = map(set_cell_size, row, widths)
         print("  ".join(" ".join(cell.splitlines()) for cell in cells).rstrip())
 
 

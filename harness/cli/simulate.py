@@ -16,7 +16,6 @@ from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
-    from harness.participants.settings import Request
     from harness.results.result import Result
 
 Number = float | None
@@ -84,7 +83,9 @@ def simulate_command(
     )  # fmt: skip
     beside = find_cross_check(fmu)
     if beside.options is not None:
-        given = _filled(given, read_options(beside.options), beside.options)
+        said = {name: value for name, value in vars(given).items() if value is not None}
+        given = replace(read_options(beside.options), **said)
+        note(f"options are taken from {beside.options}")
     if input_file is None and beside.inputs is not None:
         input_file = beside.inputs
         note(f"inputs are taken from {beside.inputs}")
@@ -110,16 +111,15 @@ def simulate_command(
             note(one)
         _summary(result)
         _write(result, output_file, plot_file, show_plot)
-        if fault is not None:
-            note(_kept(result, output_file))
-            raise fault
-        if result.not_finite and not allow_not_finite:
-            note(_kept(result, output_file))
+        if fault is None and result.not_finite and not allow_not_finite:
             more = f" (and {len(result.not_finite) - 1} more variables)"
-            raise HarnessError(
+            fault = HarnessError(
                 f"FMU {fmu}: {result.not_finite[0]}{more if len(result.not_finite) > 1 else ''}; "
                 "--allow-not-finite takes such values"
             )
+        if fault is not None:
+            note(_kept(result, output_file))
+            raise fault
         if validate_against is not None:
             _validate(result, validate_against, time_band, value_band)
 
@@ -132,12 +132,6 @@ def _kept(result: Result, output_file: Path | None) -> str:
     if output_file is not None:
         return f"{until} are in {output_file}"
     return f"{until} were computed; --output-file FILE keeps them"
-
-
-def _filled(given: Request, stated: Request, path: Path) -> Request:
-    known = {name: value for name, value in vars(given).items() if value is not None}
-    note(f"options are taken from {path}")
-    return replace(stated, **known)
 
 
 def _recorded(opened: Fmu, reference: Path) -> list[str]:

@@ -92,11 +92,6 @@ class WorkerProcess:
         with contextlib.suppress(OSError):
             os.write(self._lifeline, f"{self.pid}\n".encode())
 
-    def tell(self, message: Any) -> None:
-        """Send a message, which is lost where the worker is gone."""
-        with contextlib.suppress(OSError):
-            self.connection.send(message)
-
     def gone(self) -> bool:
         """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
         try:

@@ -89,12 +89,7 @@ def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) ->
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
     if not isinstance(fault, Exception):
-        reason = _reason(fault)
-        if folder is None:  # nothing is to be written, so the rows are there at once
-            found: Result | None = recording.finish(reason)
-        else:
-            recording.leave(reason, keep_stream=resumable)
-            found = None
+        found = recording.leave(_reason(fault), keep_stream=resumable)
         if isinstance(fault, KeyboardInterrupt):
             fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {recording.until:.9g} s")
         fault.result = found  # type: ignore[attr-defined]

@@ -126,7 +126,8 @@ class Watch:
             case Told():
                 answer = self.attempt(message.method, self._receiver, *message.arguments)
                 if message.answered:
-                    worker.tell(answer)
+                    with suppress(OSError):  # the worker is gone
+                        worker.connection.send(answer)
             case Linked():
                 self._calls.linked = message
             case Printed():

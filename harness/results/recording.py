@@ -203,13 +203,14 @@ class Recording:
             assert self.result is not None
         return self.result
 
-    def leave(self, reason: str, *, keep_stream: bool = False) -> None:
+    def leave(self, reason: str, *, keep_stream: bool = False) -> Result | None:
         """Ends the recording as incomplete within a moment, for somebody who waits.
 
         In a folder more than `_QUICK_BYTES` of rows stay in their stream, which a reader opens and
-        `seal` turns into the usual files. Gives no result; nothing can be appended afterwards.
+        `seal` turns into the usual files; then there is no result. Nothing can be appended
+        afterwards.
         """
-        self._end(reason, keep_stream, most=_QUICK_BYTES)
+        return self._end(reason, keep_stream, most=_QUICK_BYTES)
 
     def _end(self, reason: str, keep_stream: bool, *, most: int | None = None) -> Result | None:
         """Close; the result, None where the stream has more than `most` bytes and stays."""

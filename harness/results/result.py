@@ -63,9 +63,7 @@ class Result:
             numbers.append(np.asarray(own))
             if column.type != "real":
                 exact[column.name] = numbers[-1]
-        data = np.empty((len(time), len(numbers)), order="F")
-        for index, one in enumerate(numbers):
-            data[:, index] = one
+        data = np.array(numbers, dtype=np.float64).reshape(len(numbers), len(time)).T
         return cls(columns, time, data, manifest, texts=texts, exact=exact)
 
     def __post_init__(self) -> None:
