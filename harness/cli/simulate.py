@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,7 +10,7 @@ import typer
 
 from harness.cli import options
 from harness.cli.terminal import bar, console, echo, note, say, table
-from harness.errors import HarnessError, UsageError
+from harness.errors import HarnessError
 from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
@@ -191,8 +190,6 @@ def _instance(result: Result, kind: str) -> str:
 def _validate(result: Result, path: Path, time_band: float | None, value_band: float) -> None:
     from harness.results.comparison import compare_with_file
 
-    if value_band < 0.0 or not math.isfinite(value_band):
-        raise UsageError(f"--value-band must not be negative, not {value_band}")
     found, band = compare_with_file(result, path, time_band, value_band)
     headings = ("variable", "rows inside", "largest difference", "verdict")
     rows = []

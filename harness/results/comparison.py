@@ -83,8 +83,9 @@ def compare_with_file(
         raise UsageError(f"{path} has no column but the time")
     if time_band is None:
         time_band = max(_spacing(result.time), _spacing(reference.time))
-    elif not (np.isfinite(time_band) and time_band >= 0.0):
-        raise UsageError(f"the time band must not be negative, not {time_band} s")
+    for what, width in (("time", time_band), ("value", value_band)):
+        if not (np.isfinite(width) and width >= 0.0):
+            raise UsageError(f"the {what} band must not be negative, not {width}")
     band = Band(time_band, value_band)
     return compare(result, reference, band), band
 

@@ -163,15 +163,13 @@ class Recording:
         self._last = float(times[-1])
 
     def _check_order(self, times: NDArray[np.float64]) -> None:
-        before = -np.inf if self._last is None else self._last
-        ordered = times[1:] >= times[:-1]  # false for NaN too
-        if times[0] >= before and ordered.all():
-            return
-        at = int(np.argmin(ordered)) + 1 if times[0] >= before else 0
-        before = times[at - 1] if at else before
-        raise RecordingError(
-            f"rows were recorded back in time: {times[at]:.17g} s after {before:.17g} s"
-        )
+        every = np.append(-np.inf if self._last is None else self._last, times)
+        late = np.flatnonzero(~(every[1:] >= every[:-1]))  # NaN too
+        if late.size:
+            before, time = every[late[0] : late[0] + 2]
+            raise RecordingError(
+                f"rows were recorded back in time: {time:.17g} s after {before:.17g} s"
+            )
 
     def _write(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         import pyarrow as pa
