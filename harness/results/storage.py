@@ -61,30 +61,19 @@ def read_recording(folder: Path) -> Result:
     import pyarrow.parquet as parquet
 
     folder = Path(folder)
-    manifest = read_manifest(folder)
+    manifest, stream = read_manifest(folder), folder / STREAM_FILE
     try:
-        if (folder / STREAM_FILE).exists():
-            return _read_stream(folder, manifest)
-        table = parquet.read_table(folder / PARQUET_FILE)
+        if stream.exists():  # a running or dead process has written so far
+            batches = list(_whole_batches(stream))
+            table = pa.Table.from_batches(batches, schema=schema_of(manifest.columns))
+        else:
+            table = parquet.read_table(folder / PARQUET_FILE)
     except (OSError, pa.ArrowInvalid) as fault:
         raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
-    return _result(table, manifest, folder)
-
-
-def _read_stream(folder: Path, manifest: Manifest) -> Result:
-    """What a running or dead process has written so far."""
-    import pyarrow as pa
-
-    schema = schema_of(manifest.columns)
-    table = pa.Table.from_batches(list(_whole_batches(folder / STREAM_FILE)), schema=schema)
     if manifest.status.state == RUNNING:
         until = table.column(TIME)[-1].as_py() if table.num_rows else None
         status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
         manifest = replace(manifest, status=status)
-    return _result(table, manifest, folder)
-
-
-def _result(table: Any, manifest: Manifest, folder: Path) -> Result:
     time, *columns = table.columns
     values = [
         column.to_pylist() if known.dtype is None else np.array(column)
