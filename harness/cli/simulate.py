@@ -70,7 +70,7 @@ def simulate_command(
     isolate: options.Isolate = False,
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
-    from harness.cli.cross_check import find_cross_check, read_options
+    from harness.cli.cross_check import beside, read_options
     from harness.fmi.fmu import Fmu
     from harness.fmi.start_values import parse_assignment
     from harness.participants.settings import Request
@@ -80,14 +80,14 @@ def simulate_command(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
         solver,
     )  # fmt: skip
-    beside = find_cross_check(fmu)
-    if beside.options is not None:
+    stated, driven = beside(fmu, "_ref.opt"), beside(fmu, "_in.csv")
+    if stated is not None:
         said = {name: value for name, value in vars(given).items() if value is not None}
-        given = replace(read_options(beside.options), **said)
-        note(f"options are taken from {beside.options}")
-    if input_file is None and beside.inputs is not None:
-        input_file = beside.inputs
-        note(f"inputs are taken from {beside.inputs}")
+        given = replace(read_options(stated), **said)
+        note(f"options are taken from {stated}")
+    if input_file is None and driven is not None:
+        input_file = driven
+        note(f"inputs are taken from {driven}")
     limits = options.limits_of(call_timeout, run_timeout, memory_limit, isolate)
     with Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:

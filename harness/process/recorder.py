@@ -97,7 +97,6 @@ class RunRecorder:
     def _record(self, there: int) -> None:
         """Record the rows of the chunk under way up to number `there`."""
         if self._memory is not None and there > self._taken:
-            half, part = (self._chunk - 1) % 2, slice(self._taken, there)
-            self._taken = there
-            times, rows = self._memory.times[half][part], self._memory.values[half][part]
-            self._begun.append(*in_time_order(times, rows))
+            part, self._taken = slice(self._taken, there), there
+            times, rows = self._memory.of(self._chunk)
+            self._begun.append(*in_time_order(times[part], rows[part]))

@@ -128,8 +128,7 @@ class _Host(VisibleHost):
             self._teller.answer()
             self._taken += 1
         self._teller.marker.begin_chunk(self._told + 1)
-        half = self._told % 2
-        return self._memory.times[half], self._memory.values[half]
+        return self._memory.of(self._told + 1)
 
     def add_texts(self, new: Sequence[str | bytes]) -> None:
         """Tell them before the rows that name them are there; a run that is resumed has those of
@@ -141,10 +140,9 @@ class _Host(VisibleHost):
         """A chunk is done; its rows are where the supervisor finds them, if need be in another
         order than before."""
         assert self._memory is not None
-        half = self._told % 2
-        if not np.shares_memory(times, self._memory.times[half]):
-            self._memory.times[half][: len(times)] = times
-            self._memory.values[half][: len(times)] = rows
+        own_times, own_rows = self._memory.of(self._told + 1)
+        if not np.shares_memory(times, own_times):
+            own_times[: len(times)], own_rows[: len(times)] = times, rows
         self._recorded += len(rows)
         self._told += 1
         self._teller.tell(RunRecorder.chunk, self._told, len(rows), answered=True)
