@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from harness import registry
-from harness.cli.limits import interruptible
-from harness.cli.notices import notices
+from harness.cli.options import settings
 from harness.cli.terminal import say
-from harness.cli.values import settings
 from harness.errors import HarnessError, UsageError, nearest
 
 if TYPE_CHECKING:
     from harness.export.find import FoundBlock
-
-
-Built = tuple[str, Callable[[int], Path]]  # name of the file, and what makes it for an FMI version
 
 
 def build_command(
@@ -65,27 +59,57 @@ def build_command(
     for version in versions:
         if version not in (2, 3):
             raise UsageError(f"FMI version {version} cannot be built; choose 2 or 3")
-    platforms = [one for given in targets or () for one in given.split(",") if one]
+    platforms = tuple(one for given in targets or () for one in given.split(",") if one)
     if portable and platforms:
         raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
-    packaging = {"portable": portable, "targets": tuple(platforms)}
     if experiment is not None and names:
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
         raise UsageError("--variant and --component belong to --experiment NAME")
+    asked: Sequence[str | FoundBlock]
+    if experiment is not None:
+        asked = _of_experiment(experiment, variant, component or [], settings(set_), name)
+    else:
+        asked = _named(names or registry.names(registry.PLANTS), sample_time, set_, name)
     kind = "portable-" if portable else ""
-    with notices(), interruptible():
-        if experiment is not None:
-            found = _of_experiment(experiment, variant, component or [], settings(set_ or []), name)
-            asked: Iterable[Built] = (_block(one, packaging, name) for one in found)
-        else:
-            wanted = names or registry.names(registry.PLANTS)
-            _check_controller_options(wanted, sample_time, set_, name)
-            asked = (_named(one, sample_time, set_ or [], packaging, name) for one in wanted)
-        for file_name, make in asked:
-            for version in versions:
-                folder = "portable" if portable and version == 2 else f"{kind}fmi{version}"
-                _copy(make(version), output / folder / f"{file_name}.fmu")
+    for one in asked:
+        for version in versions:
+            folder = "portable" if portable and version == 2 else f"{kind}fmi{version}"
+            made, built = _built(one, name, version, portable=portable, targets=platforms)
+            _copy(built, output / folder / f"{made}.fmu")
+
+
+def _of_experiment(
+    experiment: str,
+    variant: str | None,
+    components: list[str],
+    changed: dict[str, Any],
+    name: str | None,
+) -> list[FoundBlock]:
+    from harness.export.find import controllers_of
+
+    found = controllers_of(experiment, variant, components, changed)
+    if name is not None and len(found) > 1:
+        known = ", ".join(one.name for one in found)
+        raise UsageError(f"--name is for one controller; choose a --component of {known}")
+    return found
+
+
+def _built(
+    asked: str | FoundBlock, name: str | None, version: int, **packaging: Any
+) -> tuple[str, Path]:
+    """The name of the FMU of a plant or controller, which is `name` if given, and its file."""
+    if isinstance(asked, str):
+        from harness.export.plant import certified_plant_fmu
+
+        return registry.plant(asked).name, certified_plant_fmu(asked, version, **packaging)
+    from harness.export.controller import controller_fmu, identifier
+
+    chosen = identifier(name or asked.name)
+    return chosen, controller_fmu(
+        asked.block, chosen, asked.sample_time, version, phase=asked.phase,
+        description=asked.description, **packaging,
+    )  # fmt: skip
 
 
 def _copy(built: Path, target: Path) -> None:
@@ -111,54 +135,20 @@ def _is_plant(name: str) -> bool:
     return hasattr(registry.plant(name), "fmu")
 
 
-def _check_controller_options(
-    names: list[str], sample_time: float | None, set_: list[str] | None, name: str | None
-) -> None:
-    controllers = [one for one in names if not _is_plant(one)]
-    if not controllers and (sample_time is not None or set_ or name):
-        raise UsageError("--sample-time, --set and --name are for controllers, not for plants")
-    if name is not None and len(controllers) > 1:
-        raise UsageError(f"--name is for one controller, here are {len(controllers)}")
-
-
 def _named(
-    source: str,
-    sample_time: float | None,
-    set_: list[str],
-    packaging: dict[str, Any],
-    name: str | None,
-) -> Built:
-    """The plant or controller that is registered as `source`, or a "package.module:Class"."""
-    if _is_plant(source):
-        from harness.export.plant import certified_plant_fmu
-
-        return registry.plant(source).name, partial(certified_plant_fmu, source, **packaging)
+    names: list[str], sample_time: float | None, set_: list[str] | None, name: str | None
+) -> Sequence[str | FoundBlock]:
+    """The plants and controllers that are registered as `names`, or "package.module:Class"."""
+    plants = list(filter(_is_plant, names))
+    if len(plants) == len(names):
+        if sample_time is not None or set_ or name:
+            raise UsageError("--sample-time, --set and --name are for controllers, not for plants")
+        return plants
+    if name is not None and len(names) - len(plants) > 1:
+        raise UsageError(f"--name is for one controller, here are {len(names) - len(plants)}")
     from harness.export.find import named_controller
 
-    return _block(named_controller(source, sample_time, settings(set_), name), packaging, name)
-
-
-def _of_experiment(
-    experiment: str,
-    variant: str | None,
-    components: list[str],
-    changed: dict[str, Any],
-    name: str | None,
-) -> list[FoundBlock]:
-    from harness.export.find import controllers_of
-
-    found = controllers_of(experiment, variant, components, changed)
-    if name is not None and len(found) > 1:
-        known = ", ".join(one.name for one in found)
-        raise UsageError(f"--name is for one controller; choose a --component of {known}")
-    return found
-
-
-def _block(found: FoundBlock, packaging: dict[str, Any], name: str | None) -> Built:
-    from harness.export.controller import controller_fmu, identifier
-
-    chosen = identifier(name or found.name)
-    times: dict[str, Any] = {"phase": found.phase, "description": found.description}
-    return chosen, partial(
-        controller_fmu, found.block, chosen, found.sample_time, **times, **packaging
-    )
+    return [
+        one if one in plants else named_controller(one, sample_time, settings(set_), name)
+        for one in names
+    ]

@@ -1,6 +1,6 @@
-"""The files of the FMI cross-check beside an FMU: `{Model}_ref.opt`, `_in.csv`, `_ref.csv`.
+"""The files of the FMI cross-check beside an FMU: `{Model}_ref.opt` and `{Model}_in.csv`.
 
-Newer collections have `_out.csv` in the place of `_ref.csv`. Options are lines "name, value" (or
+Options are lines "name, value" (or
 "name=value"): StartTime, StopTime, StepSize (0: variable), RelTol, OutputIntervalLength.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 from harness.errors import UsageError
@@ -21,24 +20,11 @@ _KEYS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class CrossCheck:
-    """What lies beside an FMU; None for what does not."""
-
-    options: Path | None = None
-    inputs: Path | None = None
-    reference: Path | None = None
-
-
-def find_cross_check(fmu: Path) -> CrossCheck:
-    """The files of the layout that are there."""
-    stem = fmu.with_suffix("")
-
-    def beside(*tails: str) -> Path | None:
-        paths = (stem.with_name(stem.name + tail) for tail in tails)
-        return next((path for path in paths if path.is_file()), None)
-
-    return CrossCheck(beside("_ref.opt"), beside("_in.csv"), beside("_ref.csv", "_out.csv"))
+def beside(fmu: Path, tail: str) -> Path | None:
+    """The file of the layout that ends in `tail`, None where it is not there."""
+    path = fmu.with_suffix("")
+    path = path.with_name(path.name + tail)
+    return path if path.is_file() else None
 
 
 def read_options(path: Path) -> Request:

@@ -7,10 +7,8 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.experiments import Changes, ExperimentName, opened_experiment
-from harness.cli.notices import notices
+from harness.cli.options import Changes, ExperimentName, opened_experiment, settings
 from harness.cli.terminal import say
-from harness.cli.values import settings
 from harness.errors import UsageError
 
 
@@ -33,16 +31,15 @@ def export_command(
 
     if output.suffix != ".ssp":
         raise UsageError(f"--output {output} must end in .ssp")
-    pairs = [*(set_ or []), *([f"fmi_version={fmi}"] if fmi is not None else [])]
-    with notices():
-        if is_package(experiment):
-            from harness.ssp.rewrite import rewrite_package
+    changed = settings([*(set_ or []), *([f"fmi_version={fmi}"] if fmi is not None else [])])
+    if is_package(experiment):
+        from harness.ssp.rewrite import rewrite_package
 
-            rewrite_package(Path(experiment), output, variant or (), settings(pairs))
-        else:
-            from harness.export.controller import controller_fmu
-            from harness.ssp.from_experiment import export_experiment
+        rewrite_package(Path(experiment), output, variant or (), changed)
+    else:
+        from harness.export.controller import controller_fmu
+        from harness.ssp.from_experiment import export_experiment
 
-            with opened_experiment(experiment, settings(pairs)) as loaded:
-                export_experiment(loaded, output, variant or loaded.variants, controller_fmu)
+        with opened_experiment(experiment, changed) as loaded:
+            export_experiment(loaded, output, variant or loaded.variants, controller_fmu)
     say(f"written: {output}")

@@ -7,14 +7,12 @@ import json
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-from rich.cells import cell_len
+from rich.cells import cell_len, set_cell_size
 from rich.table import Table
 
-from harness.cli.limits import Validate
-from harness.cli.notices import notices
+from harness.cli.options import AsJson, FmuFile, Validate
 from harness.cli.terminal import console, properties
 from harness.fmi.description.model_description import (
     Capabilities,
@@ -27,13 +25,9 @@ from harness.fmi.fmu import Fmu
 _LIBRARIES = {".so", ".dll", ".dylib"}
 
 
-def info_command(
-    fmu: Annotated[Path, typer.Argument(help="An .fmu file")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON")] = False,
-    validate: Validate = True,
-) -> None:
+def info_command(fmu: FmuFile, as_json: AsJson = False, validate: Validate = True) -> None:
     """Show identity, capabilities and variables of an FMU."""
-    with notices(), Fmu(fmu, validate=validate) as opened:
+    with Fmu(fmu, validate=validate) as opened:
         description, sha256 = opened.description, opened.sha256
         platforms = _platforms(opened.folder)
         for note in opened.notes:
@@ -42,7 +36,7 @@ def info_command(
         data = {f.name: getattr(description, f.name) for f in dataclasses.fields(description)}
         data["variables"] = list(description.variables.values())
         origin = {"sha256": sha256, "platforms": platforms, "notes": opened.notes}
-        typer.echo(_as_json(origin | data))
+        print(_as_json(origin | data))
         return
     console().print(_identity(description, sha256, platforms))
     for rows in (_clocks(description), _terminals(description), _variables(description)):
@@ -55,10 +49,8 @@ def _show(rows: Sequence[Sequence[str]]) -> None:
         return
     widths = [max(map(cell_len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        cells = (
-            text + " " * (width - cell_len(text)) for text, width in zip(row, widths, strict=True)
-        )
-        typer.echo("  ".join(" ".join(cell.splitlines()) for cell in cells).rstrip())
+        cells = map(set_cell_size, row, widths)
+        print("  ".join(" ".join(cell.splitlines()) for cell in cells).rstrip())
 
 
 def _platforms(folder: Path) -> tuple[str, ...]:

@@ -9,9 +9,12 @@ from __future__ import annotations
 import atexit
 import os
 import sys
+import warnings
 from contextlib import suppress
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
 from harness.cli import (
     build,
@@ -20,21 +23,44 @@ from harness.cli import (
     info,
     listing,
     reproduce,
-    resume,
     run,
     simulate,
     timing,
     validate,
     verify,
 )
-from harness.cli.terminal import say
+from harness.cli.terminal import note, say
 from harness.errors import ExperimentError, GraphError, HarnessError, TimingError, UsageError
 
 MEANINGLESS = (UsageError, ExperimentError, GraphError, TimingError)
 """The faults of a command that cannot be meant."""
 
+
+class Commands(TyperGroup):
+    """Commands whose warnings are printed as notes, each once, and which Ctrl-C ends with a
+    sentence."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that is named."""
+        seen: set[str] = set()
+
+        def show(message: Warning | str, *_: Any, **__: Any) -> None:
+            if str(message) not in seen:
+                seen.add(str(message))
+                note(message)
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("default")
+            warnings.showwarning = show
+            try:
+                return super().invoke(ctx)
+            except KeyboardInterrupt as interrupt:
+                raise HarnessError(str(interrupt) or "interrupted by Ctrl-C") from None
+
+
 app = typer.Typer(
     name="fmu-harness",
+    cls=Commands,
     help="Closes the loop between plant FMUs and digital controllers.",
     no_args_is_help=True,
     add_completion=False,
@@ -43,7 +69,7 @@ app = typer.Typer(
 )
 app.command("list")(listing.list_command)
 app.command("run")(run.run_command)
-app.command("resume")(resume.resume_command)
+app.command("resume")(run.resume_command)
 app.command("reproduce")(reproduce.reproduce_command)
 app.command("build")(build.build_command)
 app.command("export")(export.export_command)

@@ -9,9 +9,7 @@ import typer
 from rich import box
 
 from harness import registry
-from harness.cli.notices import notices
-from harness.cli.progress import bar
-from harness.cli.terminal import console, say, table
+from harness.cli.terminal import bar, console, say, table
 from harness.errors import UsageError
 
 
@@ -25,37 +23,26 @@ def reproduce_command(
     jobs: Annotated[int, typer.Option(help="Processes; 0: one a core")] = 0,
 ) -> None:
     """Run all experiments of papers and judge their claims."""
+    from harness.experiment import reproduce as pages
     from harness.experiment.parallel import Workers
-    from harness.experiment.reproduce import (
-        load_paper,
-        reproduce,
-        update_readme,
-        verdict_rows,
-        write_page,
-    )
 
     known = registry.experiments()
     names = papers or sorted({name.partition("/")[0] for name in known})
-    loaded = [load_paper(name, known) for name in names]
+    loaded = [pages.load_paper(name, known) for name in names]
     root = output or registry.run_folder("reproduce")
     if update and fast:
         raise UsageError("the fast subset decides nothing, so --update does not go with --fast")
-    with notices(), Workers(jobs, isolated=True) as workers:
+    with Workers(jobs, isolated=True) as workers:
         for paper in loaded:
-            with bar() as progress:
-                task = progress.add_task(paper.name, total=1.0)
-                done = reproduce(
-                    paper, root / paper.name, fast=fast, workers=workers,
-                    report=lambda what, share, t=task, p=progress: p.update(  # type: ignore[misc]
-                        t, description=what, completed=share
-                    ),
-                )  # fmt: skip
-                progress.update(task, description=paper.name, completed=1.0)
-            headings, *rows = (row[:5] for row in verdict_rows(done))
+            with bar(paper.name) as moved:
+                folder = root / paper.name
+                done = pages.reproduce(paper, folder, fast=fast, workers=workers, report=moved)
+                moved(1.0)
+            headings, *rows = (row[:5] for row in pages.verdict_rows(done))
             title = paper.claims.paper
             console().print(table(headings, rows, title=title, box=box.HEAVY_HEAD))
-            written = [write_page(done, root / paper.name)]
+            written = [pages.write_page(done, folder)]
             if update:
-                written.append(update_readme(done))
+                written.append(pages.update_readme(done))
             for path in written:
                 say(f"written: {path}")

@@ -1,33 +1,27 @@
-"""`fmu-harness run`: run an experiment with all its variants; table, plots and rows in a folder."""
+"""`fmu-harness run`: run an experiment with all its variants; table, plots and rows in a folder;
+and `resume`: go on with a run that was interrupted, from its last checkpoint."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import Progress
 
 from harness import registry
-from harness.cli.experiments import Changes, ExperimentName, opened_experiment
-from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout
-from harness.cli.notices import notices
-from harness.cli.progress import bar
-from harness.cli.terminal import console, say
-from harness.cli.values import settings
+from harness.cli import options
+from harness.cli.terminal import bar, console, echo, say
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
-    from harness.bench import Echo
     from harness.cli.run_record import RunRecord
     from harness.experiment.experiment import Experiment
 
 
 def run_command(
-    experiment: ExperimentName,
-    set_: Changes = None,
+    experiment: options.ExperimentName,
+    set_: options.Changes = None,
     variant: Annotated[
         list[str] | None, typer.Option(help="Run these variants only; repeatable")
     ] = None,
@@ -37,48 +31,48 @@ def run_command(
     study: Annotated[bool, typer.Option(help="Repeat over the seeds of [study]")] = False,
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
-    fmi_logging: Annotated[bool, typer.Option(help="Print the messages of FMUs")] = False,
-    call_timeout: CallTimeout = None,
-    run_timeout: RunTimeout = None,
-    memory_limit: MemoryLimit = None,
-    isolate: Isolate = False,
+    fmi_logging: options.FmiLogging = False,
+    call_timeout: options.CallTimeout = None,
+    run_timeout: options.RunTimeout = None,
+    memory_limit: options.MemoryLimit = None,
+    isolate: options.Isolate = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
-    limits |= {"isolate": isolate or None}
-    changed = settings(set_ or [])
-    changed |= limit_settings(changed, limits)
-    with notices(), opened_experiment(experiment, changed) as loaded:
+    changed = options.settings(set_, {"limits": {**limits, "isolate": isolate or None}})
+    with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
         for name in chosen:
             loaded.variant_spec(name)
         folder = output or registry.run_folder(loaded.name)
-        if not study and not sweep:
+        if study or sweep:
+            _announce(loaded)
+            _repeat(loaded, chosen, folder, jobs, study=study)
+        else:
             record = RunRecord(loaded, chosen, changed)
             record.write(folder)
-            finish_run(record, folder, logging=fmi_logging)
-            return
-        _announce(loaded)
-        _repeat(loaded, chosen, folder, jobs, study=study)
+            _finish(record, folder, logging=fmi_logging)
 
 
-def limit_settings(
-    changed: dict[str, Any], limits: Mapping[str, float | str | None]
-) -> dict[str, Any]:
-    """The table `limits` of the settings with those given by flags."""
-    given = {name: value for name, value in limits.items() if value is not None}
-    return {"limits": {**changed.get("limits", {}), **given}} if given else {}
-
-
-def finish_run(
-    record: RunRecord, folder: Path, *, logging: bool = False, resume: bool = False
+def resume_command(
+    folder: Annotated[Path, typer.Argument(help="Run folder, as `run` named it")],
+    fmi_logging: options.FmiLogging = False,
 ) -> None:
+    """Go on with an interrupted run: variants that are complete are kept, others continue from
+    their last checkpoint or begin."""
+    from harness.cli.run_record import opened_run
+
+    with opened_run(folder) as record:
+        _finish(record, folder, logging=fmi_logging, resume=True)
+
+
+def _finish(record: RunRecord, folder: Path, *, logging: bool, resume: bool = False) -> None:
     """Run what the folder lacks, and report on all of it."""
     _announce(record.experiment)
     try:
-        _run(record, folder, echo=_echo if logging else None, resume=resume)
+        _run(record, folder, logging=logging, resume=resume)
     except KeyboardInterrupt as fault:
         raise HarnessError(
             f"{fault or 'interrupted by Ctrl-C'}; the rows so far are in {folder}, and "
@@ -90,23 +84,22 @@ def _announce(loaded: Experiment) -> None:
     say(f"{loaded.name}: {loaded.spec.title}", style="bold")
 
 
-def _run(record: RunRecord, folder: Path, *, echo: Echo | None, resume: bool) -> None:
+def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> None:
     from harness.experiment.report import metrics_table, signals_table, write_report
 
     loaded = record.experiment
     results, faults = {}, {}
-    with bar() as shown:
-        for name in record.variants:
-            moved = _progress(shown, loaded.label(name))
-            try:
+    for name in record.variants:
+        try:
+            with bar(loaded.label(name)) as moved:
                 results[name] = loaded.run(
-                    name, folder / name, progress=moved, echo=echo, resume=resume
-                )
-            except HarnessError as fault:
-                if fault.result is None:
-                    raise
-                faults[name] = fault
-                results[name] = fault.result
+                    name, folder / name, progress=moved, echo=echo if logging else None,
+                    resume=resume,
+                )  # fmt: skip
+        except HarnessError as fault:
+            if fault.result is None:
+                raise
+            faults[name], results[name] = fault, fault.result
     for note in (note for result in results.values() for note in result.manifest.notes):
         warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
@@ -127,8 +120,7 @@ def _repeat(
     from harness.results.atomic import check_free
 
     check_free(folder, "study.csv" if study else "regions.csv")
-    with bar() as shown, Workers(jobs, isolated=True) as workers:
-        moved = _progress(shown, "study" if study else "sweep")
+    with bar("study" if study else "sweep") as moved, Workers(jobs, isolated=True) as workers:
         if study:
             found = run_study(loaded, workers=workers, progress=moved)
         else:
@@ -142,12 +134,3 @@ def _repeat(
         written = write_sweep(loaded, regions, folder)
     for path in written:
         say(f"written: {path}")
-
-
-def _progress(shown: Progress, name: str) -> Callable[[float], None]:
-    task = shown.add_task(name, total=1.0)
-    return lambda share: shown.update(task, completed=share)
-
-
-def _echo(component: str, message: object) -> None:
-    say(f"{component} {message}", stderr=True)

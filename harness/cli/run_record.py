@@ -17,6 +17,7 @@ from typing import Any, TextIO
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
+from harness.results.atomic import ANOTHER_FOLDER, writing
 from harness.ssp.package import is_package
 from harness.ssp.to_experiment import open_experiment
 
@@ -43,20 +44,16 @@ class RunRecord:
         }
         if is_package(path):
             content["package"] = {"settings": self.settings, "sha256": _digest(path)}
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with (folder / RUN_FILE).open("x", encoding="utf-8") as file:
-                _write_or_remove(file, json.dumps(content, indent=2, default=str) + "\n")
-        except FileExistsError as fault:
-            raise RecordingError(
-                f"the run folder {folder} holds a run already; nothing was changed in it: choose "
-                f"another folder, or go on with it by `fmu-harness resume {folder}`"
-            ) from fault
-        except OSError as fault:
-            raise RecordingError(
-                f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another "
-                "one"
-            ) from fault
+        text = json.dumps(content, indent=2, default=str) + "\n"
+        with writing(f"cannot make the run folder {folder}", folder, way_out=ANOTHER_FOLDER):
+            try:
+                with (folder / RUN_FILE).open("x", encoding="utf-8") as file:
+                    _write_or_remove(file, text)
+            except FileExistsError as fault:
+                raise RecordingError(
+                    f"the run folder {folder} holds a run already; nothing was changed in it: "
+                    f"choose another folder, or go on with it by `fmu-harness resume {folder}`"
+                ) from fault
 
 
 def _write_or_remove(file: TextIO, text: str) -> None:

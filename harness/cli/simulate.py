@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from harness.cli.limits import CallTimeout, Isolate, MemoryLimit, RunTimeout, limits_of
-from harness.cli.notices import notices
-from harness.cli.progress import bar
-from harness.cli.terminal import console
-from harness.errors import HarnessError, UsageError
+from harness.cli import options
+from harness.cli.terminal import bar, console, echo, note, say, table
+from harness.errors import HarnessError
 from harness.process.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu
-    from harness.participants.settings import Request
-    from harness.results.comparison import Agreement
     from harness.results.result import Result
 
 Number = float | None
+_SHOWN = 40
 
 
 def simulate_command(
@@ -54,7 +50,7 @@ def simulate_command(
     ] = True,
     show_plot: Annotated[bool, typer.Option("--show-plot", help="Draw and open a plot")] = False,
     plot_file: Annotated[Path | None, typer.Option(help="PNG, SVG or PDF to draw")] = None,
-    fmi_logging: Annotated[bool, typer.Option(help="Print the messages of the FMU")] = False,
+    fmi_logging: options.FmiLogging = False,
     validate_against: Annotated[
         Path | None, typer.Option(help="CSV with a reference; exit code 1 where it differs")
     ] = None,
@@ -64,64 +60,65 @@ def simulate_command(
     value_band: Annotated[
         float, typer.Option(help="Half width of the band in value, relative to the range")
     ] = 0.01,
-    validate: Annotated[
-        bool, typer.Option(help="Refuse an FMU whose description has faults")
-    ] = True,
+    validate: options.Validate = True,
     allow_not_finite: Annotated[
         bool, typer.Option(help="Take NaN and infinity for values like others")
     ] = False,
-    call_timeout: CallTimeout = None,
-    run_timeout: RunTimeout = None,
-    memory_limit: MemoryLimit = None,
-    isolate: Isolate = False,
+    call_timeout: options.CallTimeout = None,
+    run_timeout: options.RunTimeout = None,
+    memory_limit: options.MemoryLimit = None,
+    isolate: options.Isolate = False,
 ) -> None:
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
-    from harness.cli.cross_check import find_cross_check, read_options
+    from harness.cli.cross_check import beside, read_options
     from harness.fmi.fmu import Fmu
     from harness.fmi.start_values import parse_assignment
     from harness.participants.settings import Request
+    from harness.simulation import simulate
 
     given = Request(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
         solver,
     )  # fmt: skip
-    beside = find_cross_check(fmu)
-    if beside.options is not None:
-        given = _filled(given, read_options(beside.options), beside.options)
-    if input_file is None and beside.inputs is not None:
-        input_file = beside.inputs
-        _say(f"inputs are taken from {beside.inputs}")
-    limits = limits_of(call_timeout, run_timeout, memory_limit, isolate)
-    with notices(), Fmu(fmu, validate=validate) as opened:
+    stated, driven = beside(fmu, "_ref.opt"), beside(fmu, "_in.csv")
+    if stated is not None:
+        said = {name: value for name, value in vars(given).items() if value is not None}
+        given = replace(read_options(stated), **said)
+        note(f"options are taken from {stated}")
+    if input_file is None and driven is not None:
+        input_file = driven
+        note(f"inputs are taken from {driven}")
+    limits = options.limits_of(call_timeout, run_timeout, memory_limit, isolate)
+    with Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:
             output_variables = _recorded(opened, validate_against)
         starts = [parse_assignment(opened.description, text) for text in start_values or []]
-        options = vars(given) | {
-            "start_values": dict(starts), "inputs": input_file, "validate": validate,
-            "output_variables": output_variables, "event_mode": None if event_mode else False,
-            "limits": limits,
-        }  # fmt: skip
         fault: HarnessError | TerminatedError | None = None
         try:
-            result = _run(opened, options, fmi_logging)
+            with bar(opened.description.name) as moved:
+                result = simulate(
+                    fmu, **vars(given), start_values=dict(starts), inputs=input_file,
+                    output_variables=output_variables, event_mode=None if event_mode else False,
+                    validate=validate, progress=moved, echo=echo if fmi_logging else None,
+                    limits=limits,
+                )  # fmt: skip
         except (HarnessError, TerminatedError) as caught:
             if caught.result is None:
                 raise
             fault, result = caught, caught.result
-        for note in result.notes:
-            _say(note)
+        for one in result.notes:
+            note(one)
         _summary(result)
         _write(result, output_file, plot_file, show_plot)
-        if fault is not None:
-            _say(_kept(result, output_file))
-            raise fault
-        if result.not_finite and not allow_not_finite:
-            _say(_kept(result, output_file))
+        if fault is None and result.not_finite and not allow_not_finite:
             more = f" (and {len(result.not_finite) - 1} more variables)"
-            raise HarnessError(
+            fault = HarnessError(
                 f"FMU {fmu}: {result.not_finite[0]}{more if len(result.not_finite) > 1 else ''}; "
                 "--allow-not-finite takes such values"
             )
+        if fault is not None:
+            note(_kept(result, output_file))
+            raise fault
         if validate_against is not None:
             _validate(result, validate_against, time_band, value_band)
 
@@ -134,12 +131,6 @@ def _kept(result: Result, output_file: Path | None) -> str:
     if output_file is not None:
         return f"{until} are in {output_file}"
     return f"{until} were computed; --output-file FILE keeps them"
-
-
-def _filled(given: Request, options: Request, path: Path) -> Request:
-    known = {name: value for name, value in vars(given).items() if value is not None}
-    _say(f"options are taken from {path}")
-    return replace(options, **known)
 
 
 def _recorded(opened: Fmu, reference: Path) -> list[str]:
@@ -155,47 +146,23 @@ def _recorded(opened: Fmu, reference: Path) -> list[str]:
     return list(dict.fromkeys(known))
 
 
-def _run(opened: Fmu, options: dict[str, Any], logging: bool) -> Result:
-    from harness.simulation import simulate
-
-    with bar() as shown:
-        task = shown.add_task(opened.description.name, total=1.0)
-        return simulate(
-            opened.path,
-            **options,
-            progress=lambda share: shown.update(task, completed=share),
-            echo=_echo if logging else None,
-        )
-
-
 def _summary(result: Result) -> None:
-    from rich.table import Table
-
     if not result.manifest.fmus:  # the FMU's process died; there is nothing but the rows
         return
-    e = result.manifest.experiment
-    kind = f"{result.manifest.fmus[0].instance}, {e['interface_type']}"
-    table = Table(title=f"{kind}, {len(result.time)} rows", title_justify="left", box=None)
-    table.add_column("variable")
-    for title in ("first", "last", "smallest", "largest"):
-        table.add_column(title, justify="right")
-    table.add_column("unit")
-    for name in result.order[:_SHOWN]:
+    rows = []
+    for name in result.names[:_SHOWN] if len(result.time) else ():
         values = result[name]
-        if not len(values):
-            continue
         if name in result.texts:
             cells = [repr(str(values[0])), repr(str(values[-1])), "", "", ""]
         else:
-            cells = [f"{float(v):.6g}" for v in (values[0], values[-1], min(values), max(values))]
-            cells.append(result.unit(name))
-        table.add_row(*(cell.replace("[", r"\[") for cell in (name, *cells)))
-    console().print(table)
-    if len(result.order) > _SHOWN:
-        console().print(f"… {len(result.order) - _SHOWN} more variables", markup=False)
-
-
-_SHOWN = 40
+            ends = (values[0], values[-1], min(values), max(values))
+            cells = [*(f"{float(v):.6g}" for v in ends), result.unit(name)]
+        rows.append((name, *cells))
+    headings = ("variable", "first", "last", "smallest", "largest", "unit")
+    title = f"{_instance(result, ', {}')}, {len(result.time)} rows"
+    console().print(table(headings, rows, title=title, right=headings[1:-1]))
+    if len(result.names) > _SHOWN:
+        say(f"… {len(result.names) - _SHOWN} more variables")
 
 
 def _write(result: Result, csv: Path | None, plot: Path | None, show: bool) -> None:
@@ -203,52 +170,37 @@ def _write(result: Result, csv: Path | None, plot: Path | None, show: bool) -> N
         from harness.results.csv_files import write_csv
 
         write_csv(result, csv)
-        console().print(f"written: {csv}", markup=False, soft_wrap=True)
+        say(f"written: {csv}")
     if (plot is not None or show) and result.numeric and len(result.time) and result.manifest.fmus:
         from harness.results.plots import save_figure
 
-        instance = result.manifest.fmus[0].instance
-        kind = result.manifest.experiment["interface_type"]
-        path = plot or Path(f"{instance}.png")
-        save_figure(path, result.plot(title=f"{instance} ({kind})"))
-        console().print(f"written: {path}", markup=False, soft_wrap=True)
+        path = plot or Path(f"{result.manifest.fmus[0].instance}.png")
+        save_figure(path, result.plot(title=_instance(result, " ({})")))
+        say(f"written: {path}")
         if show:
             typer.launch(str(path))
+
+
+def _instance(result: Result, kind: str) -> str:
+    """The name of the FMU and the kind of interface that was run, in the form `kind`."""
+    manifest = result.manifest
+    return manifest.fmus[0].instance + kind.format(manifest.experiment["interface_type"])
 
 
 def _validate(result: Result, path: Path, time_band: float | None, value_band: float) -> None:
     from harness.results.comparison import compare_with_file
 
-    if value_band < 0.0 or not math.isfinite(value_band):
-        raise UsageError(f"--value-band must not be negative, not {value_band}")
     found, band = compare_with_file(result, path, time_band, value_band)
-    text = f"band: {band.time:g} s in time, {100 * band.relative:g} % of the range in value"
-    console().print(_agreements(found, text))
+    headings = ("variable", "rows inside", "largest difference", "verdict")
+    rows = []
+    for one in found:
+        verdict = "agrees" if one.agrees else f"leaves the band at {one.first_outside} s"
+        rows.append((one.name, f"{one.inside} of {one.judged}", f"{one.largest:.3g}", verdict))
+    title = f"band: {band.time:g} s in time, {100 * band.relative:g} % of the range in value"
+    console().print(table(headings, rows, title=title, right=headings[1:]))
     wrong = [one for one in found if not one.agrees]
     if wrong:
         raise HarnessError(
             f"{len(wrong)} of {len(found)} variables leave the band around {path}: "
             + "; ".join(f"{one.name} first at t = {one.first_outside} s" for one in wrong[:3])
         )
-
-
-def _agreements(found: tuple[Agreement, ...], title: str) -> object:
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left", box=None)
-    table.add_column("variable")
-    for heading in ("rows inside", "largest difference", "verdict"):
-        table.add_column(heading, justify="right")
-    for one in found:
-        name = one.name.replace("[", r"\[")
-        verdict = "agrees" if one.agrees else f"leaves the band at {one.first_outside} s"
-        table.add_row(name, f"{one.inside} of {one.judged}", f"{one.largest:.3g}", verdict)
-    return table
-
-
-def _say(note: str) -> None:
-    console(stderr=True).print(f"note: {note}", markup=False, soft_wrap=True)
-
-
-def _echo(message: object) -> None:
-    console(stderr=True).print(str(message), markup=False, soft_wrap=True)

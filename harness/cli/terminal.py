@@ -1,12 +1,16 @@
 """What all commands print with: a console as wide as the terminal, wide enough for a table
-elsewhere, lines and tables in which no text is taken for markup."""
+elsewhere, lines, tables and bars in which no text is taken for markup."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, Protocol
 
 from rich.box import Box
 from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -24,6 +28,21 @@ def console(*, stderr: bool = False) -> Console:
 def say(text: object, *, stderr: bool = False, style: str | None = None) -> None:
     """Print a line, which only the terminal wraps."""
     console(stderr=stderr).print(str(text), markup=False, soft_wrap=True, style=style)
+
+
+def note(text: object) -> None:
+    """Print a note on the error stream."""
+    say(f"note: {text}", stderr=True)
+
+
+def echo(*message: object) -> None:
+    """Print a message of an FMU, or of a component and its FMU, on the error stream."""
+    say(" ".join(map(str, message)), stderr=True)
+
+
+def say_json(data: Any) -> None:
+    """Print plain data as JSON."""
+    print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
 def table(
@@ -50,3 +69,25 @@ def properties(title: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) 
     made = table(("", ""), ((Text(name, style="bold"), text) for name, text in pairs), title=title)
     made.show_header, made.columns[0].no_wrap = False, True
     return made
+
+
+class Moved(Protocol):
+    """Told how far a task is, as a share, and what it is at."""
+
+    def __call__(self, share: float, at: str = ...) -> None:
+        """Show it."""
+
+
+@contextmanager
+def bar(name: str) -> Iterator[Moved]:
+    """While open, the error stream shows the progress of a task: name, bar, share, time gone and
+    time left."""
+    text, share = TextColumn("{task.description}", markup=False), "{task.percentage:3.0f} %"
+    columns = text, BarColumn(), TextColumn(share), TimeElapsedColumn(), TimeRemainingColumn()
+    with Progress(*columns, console=console(stderr=True)) as shown:
+        task = shown.add_task(name, total=1.0)
+
+        def moved(share: float, at: str = name) -> None:
+            shown.update(task, description=at, completed=share)
+
+        yield moved

@@ -10,11 +10,8 @@ import typer
 from rich import box
 from rich.table import Table
 
-from harness.cli.experiments import Changes, ExperimentName, opened_experiment
-from harness.cli.limits import interruptible
-from harness.cli.notices import notices
+from harness.cli.options import Changes, ExperimentName, opened_experiment, settings
 from harness.cli.terminal import console, say, table
-from harness.cli.values import settings
 from harness.clock import show
 
 if TYPE_CHECKING:
@@ -36,7 +33,7 @@ def timing_command(
     from harness.master.timing import measure_delays
     from harness.process.task import Teller, run_task
 
-    with notices(), interruptible(), opened_experiment(experiment, settings(set_ or [])) as loaded:
+    with opened_experiment(experiment, settings(set_)) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:

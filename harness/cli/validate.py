@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import Annotated
-
-import typer
 from rich.text import Text
 
-from harness.cli.terminal import console, say, table
+from harness.cli.options import AsJson, FmuFile
+from harness.cli.terminal import console, say, say_json, table
 from harness.errors import HarnessError
 
 _STYLES = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 
-def validate_command(
-    fmu: Annotated[Path, typer.Argument(help="An .fmu file")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON")] = False,
-) -> None:
+def validate_command(fmu: FmuFile, as_json: AsJson = False) -> None:
     """Check an FMU without running it; exit code 1 when it has errors."""
     from harness.inspection.problem import Severity
     from harness.inspection.static import validate
 
     problems = validate(fmu)
     if as_json:
-        data = [problem.as_data() for problem in problems]
-        typer.echo(json.dumps(data, indent=2, ensure_ascii=False))
+        say_json([problem.as_data() for problem in problems])
     elif problems:
         rows = (
             (Text(str(p.severity), style=_STYLES[str(p.severity)]), p.place, p.text, p.rule)

@@ -7,15 +7,7 @@ from typing import Annotated
 
 import typer
 
-from harness.cli.limits import (
-    CallTimeout,
-    Isolate,
-    MemoryLimit,
-    RunTimeout,
-    interruptible,
-    limits_of,
-)
-from harness.cli.notices import notices
+from harness.cli import options
 from harness.cli.terminal import console, say, table
 from harness.errors import HarnessError
 
@@ -24,16 +16,15 @@ _SHOWN = 12
 
 def verify_command(
     fmu: Annotated[Path, typer.Argument(help="An .fmu file with a parity certificate")],
-    call_timeout: CallTimeout = None,
-    run_timeout: RunTimeout = None,
-    memory_limit: MemoryLimit = None,
-    isolate: Isolate = False,
+    call_timeout: options.CallTimeout = None,
+    run_timeout: options.RunTimeout = None,
+    memory_limit: options.MemoryLimit = None,
+    isolate: options.Isolate = False,
 ) -> None:
     """Replay the parity certificate of an FMU; exit code 1 where it does not agree."""
     from harness.export.verify import verify
 
-    with notices(), interruptible():
-        found = verify(fmu, limits_of(call_timeout, run_timeout, memory_limit, isolate))
+    found = verify(fmu, options.limits_of(call_timeout, run_timeout, memory_limit, isolate))
     certificate = found.certificate
     say(
         f"{certificate.model}: {certificate.rows} steps of {certificate.step:g} s against "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import inspect
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -198,7 +198,7 @@ class Experiment:
             return result
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
-        return result.with_metrics(found)
+        return replace(result, metrics=found)
 
 
 class PreparedVariant:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import copy
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, groupby
-from pathlib import Path
 from typing import TypeVar
 
-from harness.errors import HarnessError, RecordingError
+from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment, Table
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import FmuSpec
@@ -149,13 +147,3 @@ def _changed(experiment: Experiment, variant: str, settings: Settings) -> Experi
             table = table.setdefault(part, {})
         table[last] = value
     return Experiment.from_data(data, experiment.path)
-
-
-@contextmanager
-def writing(folder: Path, what: str) -> Iterator[None]:
-    """Makes `folder`; an `OSError` while open becomes a `RecordingError` that begins by `what`."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        yield
-    except OSError as fault:
-        raise RecordingError(f"{what}: {fault}") from fault

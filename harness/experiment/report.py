@@ -12,9 +12,8 @@ from rich.table import Table
 
 from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment
-from harness.experiment.repeated import writing
 from harness.experiment.schema import PlotSpec
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.membership_plot import membership_plot
 from harness.results.plots import gains_plot, overview_plot, save_figures
 from harness.results.result import Result
@@ -83,7 +82,7 @@ def show(name: str, value: float | None) -> str:
 
 def write_report(experiment: Experiment, results: Results, folder: Path) -> list[Path]:
     """Pictures and `metrics.csv` in `folder`; returns what was written."""
-    with writing(folder, f"the report cannot be written to {folder}"):
+    with writing(f"the report cannot be written to {folder}", folder):
         written = save_figures(folder, figures(experiment, results))
         written.append(_write_metrics(experiment, results, folder / "metrics.csv"))
     return written

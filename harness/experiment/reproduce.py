@@ -11,19 +11,18 @@ from harness.errors import ExperimentError, HarnessError, RecordingError, UsageE
 from harness.experiment.claims import ClaimsSpec, Evidence, Verdict, judge, load_claims
 from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers, given_or_one
-from harness.experiment.repeated import writing
 from harness.experiment.report import write_report
 from harness.experiment.study import LOST, median, run_study
 from harness.experiment.sweep import run_sweep, write_sweep
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.result import Result
 
 CLAIMS_FILE = "claims.toml"
 VERDICTS, STUDIES, REGIONS = "verdicts", "studies", "regions"
 """Names of the parts of a paper's README that are filled from runs, between markers."""
 
-Report = Callable[[str, float], None]
-"""Called with the name of what is being run and the share of it that is done."""
+Report = Callable[[float, str], None]
+"""Called with the share that is done of what is being run, and its name."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +98,7 @@ def _run(
     experiment: Experiment, folder: Path, workers: Workers, report: Report | None
 ) -> tuple[Evidence, tuple[Path, ...]]:
     def progress(what: str) -> Callable[[float], None]:
-        return lambda share: None if report is None else report(f"{experiment.name}{what}", share)
+        return lambda share: None if report is None else report(share, f"{experiment.name}{what}")
 
     results: dict[str, Result] = {}
     for variant in experiment.variants:
@@ -180,7 +179,7 @@ def update_readme(reproduction: Reproduction) -> Path:
     """Put the tables between the markers of the paper's README; raises `RecordingError`."""
     path = reproduction.paper.folder / "README.md"
     parts = {VERDICTS: verdict_rows, STUDIES: study_rows, REGIONS: region_rows}
-    with writing(path.parent, f"{path} cannot be updated"):
+    with writing(f"{path} cannot be updated", path.parent):
         text = path.read_text(encoding="utf-8")
         for part, rows in parts.items():
             table = list(rows(reproduction))
@@ -238,6 +237,6 @@ def write_page(reproduction: Reproduction, output: Path) -> Path:
         tables=tables,
         figures="\n".join(figures),
     )
-    with writing(output, f"{path} cannot be written"), atomic_write(path) as partial:
+    with writing(f"{path} cannot be written", output), atomic_write(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path

@@ -18,9 +18,9 @@ from rich.table import Table
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, run_points, writing
+from harness.experiment.repeated import Metrics, Point, run_points
 from harness.experiment.schema import StudySpec
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.intervals import PairedDifference, Share, paired_difference, share
 
 LOST = "lost_loop"
@@ -68,7 +68,7 @@ class Study:
     def write(self, folder: Path) -> Path:
         """Write `study.csv` into `folder` and return its path."""
         path = folder / "study.csv"
-        with writing(folder, f"{path} cannot be written"), atomic_write(path) as partial:
+        with writing(f"{path} cannot be written", folder), atomic_write(path) as partial:
             self.frame().to_csv(partial, index=False)
         return path
 

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from harness.errors import ExperimentError, nearest
 from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, run_points, writing
+from harness.experiment.repeated import Metrics, Point, run_points
 from harness.experiment.schema import AxisSpec, SweepSpec
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.plots import axis_label
 
 
@@ -132,7 +132,7 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
         for i, y in enumerate(region.spec.y.values)
         for j, x in enumerate(region.spec.x.values)
     )  # fmt: skip
-    with writing(folder, f"the sweep cannot be written to {folder}"):
+    with writing(f"the sweep cannot be written to {folder}", folder):
         with atomic_write(picture) as part:
             region_plot(experiment, regions).savefig(part)
         with atomic_write(table) as part:

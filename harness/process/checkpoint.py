@@ -33,7 +33,7 @@ from harness.fmi.binding.interface import CO_SIMULATION
 from harness.fmi.fmu import Fmu
 from harness.master.plan.planner import Plan
 from harness.master.program.link import Program
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.manifest import COMPLETE, read_manifest, software_versions
 from harness.results.storage import CSV_FILE, seal
 from harness.system.graph import BlockComponent, Component, FmuComponent, PythonComponent
@@ -193,13 +193,14 @@ def differences(before: Mapping[str, str], now: Mapping[str, str]) -> list[str]:
 
 def write_checkpoint(folder: Path, content: bytes) -> None:
     """Put a checkpoint into the run folder in place of the one before it, whole or not at all."""
-    try:
-        with atomic_write(folder / CHECKPOINT_FILE) as partial, partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-    except OSError as fault:
-        raise RecordingError(f"cannot write a checkpoint into {folder}: {fault}") from fault
+    with (
+        writing(f"cannot write a checkpoint into {folder}"),
+        atomic_write(folder / CHECKPOINT_FILE) as partial,
+        partial.open("wb") as file,
+    ):
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def resumable(folder: Path) -> Snapshot | None:

@@ -21,7 +21,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -91,15 +92,6 @@ class WorkerProcess:
         with contextlib.suppress(OSError):
             os.write(self._lifeline, f"{self.pid}\n".encode())
 
-    def tell(self, message: Any) -> None:
-        """Send a message, which is lost where the worker is gone."""
-        with contextlib.suppress(OSError):
-            self.connection.send(message)
-
-    def memory(self) -> int:
-        """Bytes of memory that the worker holds; 0 where it is gone."""
-        return memory_of(self.pid)
-
     def gone(self) -> bool:
         """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""
         try:
@@ -135,16 +127,14 @@ class WorkerProcess:
             time.sleep(0.002)
 
 
-@contextlib.contextmanager
-def compiler_at_rest() -> Iterator[None]:
+def compiler_at_rest() -> AbstractContextManager[Any]:
     """While open, no other thread compiles: what it held would stay locked in the worker."""
-    if "numba" in sys.modules:
-        from numba.core.compiler_lock import global_compiler_lock
+    if "numba" not in sys.modules:
+        return contextlib.nullcontext()
+    from numba.core.compiler_lock import global_compiler_lock
 
-        with global_compiler_lock:
-            yield
-    else:
-        yield
+    lock: AbstractContextManager[Any] = global_compiler_lock
+    return lock
 
 
 def _janitor(folder: Path, lifeline: int) -> subprocess.Popen[bytes] | None:

@@ -66,7 +66,7 @@ def isolate(writable: Sequence[Path], memory: int | None = None) -> None:
     Raises `OSError` where the system offers something and then refuses it.
     """
     _limit(memory)
-    _prctl(_NO_NEW_PRIVILEGES, 1, 0)
+    _call("prctl", _NO_NEW_PRIVILEGES, 1, 0, 0, 0)
     version = _landlock_version()
     if version >= 1:
         _restrict_files(writable, version)
@@ -96,12 +96,12 @@ def _restrict_files(writable: Sequence[Path], version: int) -> None:
     scoped = 0b11 if version >= 6 else 0
     fields = [handled, network, scoped][: 1 + (version >= 4) + (version >= 6)]
     attributes = ctypes.create_string_buffer(struct.pack(f"<{len(fields)}Q", *fields))
-    rules = _syscall(_CREATE_RULESET, attributes, len(fields) * 8, 0)
+    rules = _call("syscall", _CREATE_RULESET, attributes, len(fields) * 8, 0)
     try:
         for folder in writable:
             _allow(rules, folder, handled)
         _allow(rules, Path(os.devnull), handled & (_WRITE_FILE | _TRUNCATE))
-        _syscall(_RESTRICT_SELF, rules, 0)
+        _call("syscall", _RESTRICT_SELF, rules, 0)
     finally:
         os.close(rules)
 
@@ -110,7 +110,7 @@ def _allow(rules: int, path: Path, access: int) -> None:
     place = os.open(path, os.O_PATH | os.O_CLOEXEC)
     try:
         beneath = ctypes.create_string_buffer(struct.pack("<Qi", access, place))
-        _syscall(_ADD_RULE, rules, 1, beneath, 0)
+        _call("syscall", _ADD_RULE, rules, 1, beneath, 0)
     finally:
         os.close(place)
 
@@ -133,28 +133,20 @@ def _filter_calls(machine: str) -> None:
     instructions = ctypes.create_string_buffer(program)
     described = struct.pack("HxxxxxxQ", len(code), ctypes.addressof(instructions))
     handed = ctypes.create_string_buffer(described)
-    _prctl(_SET_SECCOMP, _FILTER, ctypes.addressof(handed))
+    _call("prctl", _SET_SECCOMP, _FILTER, ctypes.addressof(handed), 0, 0)
 
 
 def _landlock_version() -> int:
     try:
-        return _syscall(_CREATE_RULESET, None, 0, 1)
+        return _call("syscall", _CREATE_RULESET, None, 0, 1)
     except OSError:
         return 0
 
 
-def _syscall(number: int, *arguments: ctypes.Array[ctypes.c_char] | int | None) -> int:
-    function = ctypes.CDLL(None, use_errno=True).syscall
-    function.restype = ctypes.c_long
+def _call(function: str, *arguments: ctypes.Array[ctypes.c_char] | int | None) -> int:
+    """Call a function of the C library that returns an int; raises `OSError`."""
     given = [ctypes.c_long(one) if isinstance(one, int) else one for one in arguments]
-    done = int(function(ctypes.c_long(number), *given))
+    done = int(getattr(ctypes.CDLL(None, use_errno=True), function)(*given))
     if done < 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
     return done
-
-
-def _prctl(option: int, second: int, third: int) -> None:
-    function = ctypes.CDLL(None, use_errno=True).prctl
-    function.argtypes = (ctypes.c_int, *(ctypes.c_ulong,) * 4)
-    if function(option, second, third, 0, 0) != 0:
-        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))

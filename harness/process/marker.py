@@ -134,5 +134,9 @@ class RowMemory:
         memory: Any = mmap.mmap(descriptor, max(size, 1))
         times = np.frombuffer(memory, dtype=np.float64, count=2 * rows)
         values = np.frombuffer(memory, dtype=np.float64, count=2 * rows * columns, offset=16 * rows)
-        self.times: NDArray[np.float64] = times.reshape(2, rows)
-        self.values: NDArray[np.float64] = values.reshape(2, rows, columns)
+        self._times: NDArray[np.float64] = times.reshape(2, rows)
+        self._values: NDArray[np.float64] = values.reshape(2, rows, columns)
+
+    def of(self, chunk: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The times (s) and the rows of a chunk, by its number."""
+        return self._times[chunk % 2], self._values[chunk % 2]

@@ -1,30 +1,26 @@
-"""What worker and supervisor tell one another over their pipe.
-
-Any worker sends `Told`, `Printed`, `Linked` and at its end `Done`; the supervisor sends what a
-`Told` is answered by. What is told by the run of a system is its manifest as soon as the system is
-whole, then any of the rest.
-"""
+"""What a worker tells its supervisor over their pipe; the supervisor sends back what a `Told` that
+is answered has returned. What is told by the run of a system is listed by `recorder`."""
 
 from __future__ import annotations
 
 import pickle
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from harness.errors import HarnessError
-
-if TYPE_CHECKING:  # work without a loop does not wait for the compiler
-    from harness.fmi.binding.logger import LogMessage
 
 
 @dataclass(frozen=True)
 class Told:
-    """Whatever shall outlive the worker; `answered`: it will ask for an answer."""
+    """`method` is to be called of whoever receives what is told, with the `arguments`; `answered`:
+    the worker will ask for what it returns."""
 
-    content: Any
-    answered: bool = False
+    method: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    answered: bool
 
 
 @dataclass(frozen=True)
@@ -52,53 +48,6 @@ class Done:
     value: Any = None
     fault: bytes = b""
     stopped: bool = False
-
-
-@dataclass(frozen=True)
-class Room:
-    """The row memory has its size: rows a chunk, columns. `in_order`: every row is there for good
-    as soon as it is written; otherwise that is so at the end of its chunk."""
-
-    rows: int
-    columns: int
-    in_order: bool
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """That chunk is done; it has so many rows."""
-
-    number: int
-    rows: int
-
-
-@dataclass(frozen=True)
-class Texts:
-    """Strings and binaries that rows may name from now on."""
-
-    new: tuple[str | bytes, ...]
-
-
-@dataclass(frozen=True)
-class Notes:
-    """What participants had to derive, leave out or do otherwise; some may have been told."""
-
-    notes: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """The state after all chunks told so far."""
-
-    content: bytes
-
-
-@dataclass(frozen=True)
-class Logged:
-    """A message of an FMU."""
-
-    component: str
-    message: LogMessage
 
 
 def packed(fault: BaseException) -> bytes:

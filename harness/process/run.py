@@ -7,8 +7,7 @@ later.
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import close
@@ -17,12 +16,12 @@ from typing import Any
 
 from harness.errors import HarnessError, SimulationError
 from harness.master.prepared import Echo
-from harness.master.run import Progress, in_time_order
-from harness.process.checkpoint import CHECKPOINT_FILE, resumable, write_checkpoint
+from harness.master.run import Progress
+from harness.process.checkpoint import CHECKPOINT_FILE, resumable
 from harness.process.interrupts import INTERRUPTED
 from harness.process.limits import Limits
-from harness.process.marker import Marker, RowMemory, shared_file
-from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
+from harness.process.marker import Marker, shared_file
+from harness.process.recorder import RunRecorder
 from harness.process.task import live
 from harness.process.warm import warm_up
 from harness.process.watch import Watch
@@ -58,90 +57,23 @@ def run_supervised(
 
     first = None if not resume else resumed.rows if resumed is not None else 0
 
-    def open_recording(manifest: Manifest) -> Recording:
+    def begin(manifest: Manifest) -> Recording:
         whole = replace(manifest, experiment=dict(experiment or {}))
         return Recording(whole.columns, folder, whole, continued=first)
 
     job = Job(system, tuple(record), tuple(needed), echo is not None, limits, resumed)
-    rows = _Rows(open_recording, progress, echo)
-    watch = Watch(
-        limits, rows.receive, look=rows.look, marker=rows.marker,
-        files={c.name: c.path for c in system.fmus},
-    )  # fmt: skip
+    marker, descriptor = Marker(), shared_file(0)
+    recorder = RunRecorder(begin, marker, descriptor, progress, echo)
+    watch = Watch(limits, marker, recorder, recorder.look, {c.name: c.path for c in system.fmus})
     warm_up(system)
     try:
-        watch.follow(partial(live, partial(run_job, job, rows.descriptor), rows.marker))
-        watch.attempt(rows.take_rest)
+        watch.follow(partial(live, partial(run_job, job, descriptor), marker))
+        watch.attempt(recorder.take_rest)
     finally:
-        close(rows.descriptor)
+        close(descriptor)
     if watch.fault is None and progress is not None:
         progress(1.0)
-    return _conclude(watch, rows.recording, folder)
-
-
-class _Rows:
-    """What becomes of what the worker of a run tells: `chunk` is the one under way, `taken` its
-    rows recorded."""
-
-    def __init__(
-        self,
-        open_recording: Callable[[Manifest], Recording],
-        progress: Progress | None,
-        echo: Echo | None,
-    ) -> None:
-        self.marker = Marker()
-        self.descriptor = shared_file(0)
-        self.recording: Recording | None = None
-        self._open, self._progress, self._echo = open_recording, progress, echo
-        self._memory: RowMemory | None = None
-        self._early = False
-        self._chunk, self._taken = 1, 0
-
-    def receive(self, content: Any) -> None:
-        """Deal with what the worker tells; raises `HarnessError` where it cannot be recorded."""
-        recording = self.recording
-        match content:
-            case Manifest():
-                self.recording = self._open(content)
-            case Room() if recording is not None:
-                self._memory = RowMemory(self.descriptor, content.rows, content.columns)
-                texts = any(column.dtype is None for column in recording.columns)
-                self._early = content.in_order and not texts
-            case Chunk():
-                self._record(content.rows)
-                self._chunk, self._taken = content.number + 1, 0
-            case Texts() if recording is not None:
-                recording.add_texts(content.new)
-            case Notes() if recording is not None:
-                recording.add_notes(content.notes)
-            case Checkpoint() if recording is not None and recording.folder is not None:
-                try:
-                    recording.sync()
-                    write_checkpoint(recording.folder, content.content)
-                except HarnessError as fault:  # a full disk; the one before it stays
-                    warnings.warn(str(fault), stacklevel=2)
-            case Logged() if self._echo is not None:
-                self._echo(content.component, content.message)
-
-    def look(self, share: float) -> None:
-        """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
-        when all of their texts have come."""
-        if self._early:
-            self._record(self.marker.rows(self._chunk) - 1)  # the newest may be half written
-        if self._progress is not None:
-            self._progress(share)
-
-    def take_rest(self) -> None:
-        """The worker has ended: take what it has left of a chunk."""
-        self._record(self.marker.rows(self._chunk))
-
-    def _record(self, there: int) -> None:
-        """Record the rows of the chunk under way up to number `there`."""
-        if self._memory is not None and self.recording is not None and there > self._taken:
-            half, part = (self._chunk - 1) % 2, slice(self._taken, there)
-            self._taken = there
-            times, rows = self._memory.times[half][part], self._memory.values[half][part]
-            self.recording.append(*in_time_order(times, rows))
+    return _conclude(watch, recorder.recording, folder)
 
 
 def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) -> Result:
@@ -157,12 +89,7 @@ def _conclude(watch: Watch, recording: Recording | None, folder: Path | None) ->
         return result
     resumable = folder is not None and (folder / CHECKPOINT_FILE).exists()
     if not isinstance(fault, Exception):
-        reason = _reason(fault)
-        if folder is None:  # nothing is to be written, so the rows are there at once
-            found: Result | None = recording.finish(reason)
-        else:
-            recording.leave(reason, keep_stream=resumable)
-            found = None
+        found = recording.leave(_reason(fault), keep_stream=resumable)
         if isinstance(fault, KeyboardInterrupt):
             fault = KeyboardInterrupt(f"{INTERRUPTED} at t = {recording.until:.9g} s")
         fault.result = found  # type: ignore[attr-defined]

@@ -1,9 +1,9 @@
 """Work that calls into FMUs, done in a worker.
 
-    value = run_task(work, limits=limits, file=path, receive=print)
+    value = run_task(work, limits=limits, file=path)
 
-`work` gets a `Teller`, by which it sends what shall outlive it while it runs; what it returns comes
-back, and what it raises is raised here. Where no worker can be had (not on Linux, or in a worker
+`work` gets a `Teller`, by which it says how far it is while it runs; what it returns comes back,
+and what it raises is raised here. Where no worker can be had (not on Linux, or in a worker
 already) it is done in this process.
 
 This module refuses to know what the work is; the run of a system (`run`) is one.
@@ -27,7 +27,7 @@ from harness.process.fork import available
 from harness.process.limits import Limits
 from harness.process.marker import Marker
 from harness.process.messages import Done, Linked, Printed, Told, packed
-from harness.process.watch import Receive, Watch
+from harness.process.watch import Watch
 
 T = TypeVar("T")
 
@@ -37,25 +37,20 @@ class StopAskedError(BaseException):
 
 
 class Teller:
-    """The worker's way to its supervisor; without a `connection`, straight to `receive`."""
+    """The worker's way to its supervisor; what is told without a `connection` is lost."""
 
-    def __init__(
-        self,
-        receive: Receive | None = None,
-        connection: Connection | None = None,
-        marker: Marker | None = None,
-    ) -> None:
+    def __init__(self, marker: Marker, connection: Connection | None = None) -> None:
         """`marker` is the memory that the supervisor sees."""
-        self.marker = marker or Marker()
-        self._receive, self._connection = receive, connection
+        self.marker, self._connection = marker, connection
         self._sending = Lock()
 
-    def tell(self, content: Any, *, answered: bool = False) -> None:
-        """Send something picklable; it arrives even where the worker dies the next moment."""
-        self.send(Told(content, answered))
+    def tell(self, method: Callable[..., Any], *arguments: Any, answered: bool = False) -> None:
+        """Have a method called of whoever receives what is told, with arguments that can be
+        pickled; it arrives even where the worker dies the next moment."""
+        self.send(Told(method, arguments, answered))
 
     def answer(self) -> Any:
-        """Wait for the answer to the first `answered` content that has none yet."""
+        """Wait for the answer to the first `answered` call that has none yet."""
         assert self._connection is not None
         return self._connection.recv()
 
@@ -64,12 +59,6 @@ class Teller:
         if self._connection is not None:
             with self._sending:
                 self._connection.send(message)
-        elif self._receive is not None and isinstance(message, Told):
-            self._receive(message.content)
-
-    def logged(self, text: str) -> None:
-        """Keep a message of an FMU for the sentence about the worker's death."""
-        self.marker.logged(text)
 
     def show_loops(self) -> None:
         """Let the supervisor see the compiled loops of systems that run from now on."""
@@ -87,14 +76,9 @@ class Teller:
 
 
 def run_task(
-    work: Callable[[Teller], T],
-    *,
-    limits: Limits | None = None,
-    file: Path | None = None,
-    receive: Receive | None = None,
+    work: Callable[[Teller], T], *, limits: Limits | None = None, file: Path | None = None
 ) -> T:
-    """What `work` returns. `file`, the FMU that it calls, is named where the worker dies; what is
-    told goes to `receive`.
+    """What `work` returns. `file`, the FMU that it calls, is named where the worker dies.
 
     Raises what `work` raises, `SimulationError` where the worker dies or exceeds a limit,
     `KeyboardInterrupt` or `TerminatedError` on Ctrl-C and SIGTERM, and `UsageError` where it is to
@@ -103,9 +87,9 @@ def run_task(
     if not available():
         if limits is not None and limits.isolate:
             raise UsageError("isolation needs a worker process of the run's own, on Linux")
-        return work(Teller(receive))
-    watch = Watch(limits or Limits(), receive or (lambda content: None), files=file)
-    watch.follow(partial(live, work, watch.marker))
+        return work(Teller(Marker()))
+    watch = Watch(limits or Limits(), marker := Marker(), files=file)
+    watch.follow(partial(live, work, marker))
     if watch.fault is not None:
         raise watch.fault
     assert watch.done is not None
@@ -115,7 +99,7 @@ def run_task(
 
 def live(work: Callable[[Teller], Any], marker: Marker, connection: Connection) -> None:
     """The worker's side."""
-    teller = Teller(connection=connection, marker=marker)
+    teller = Teller(marker, connection)
     sys.stdout, sys.stderr = _Forward(teller, "stdout"), _Forward(teller, "stderr")
     mark.watch(marker.calling)
     try:

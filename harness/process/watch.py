@@ -20,7 +20,7 @@ from typing import Any
 from harness.compiler.machine_code import say_nothing
 from harness.errors import SimulationError
 from harness.process import sentence
-from harness.process.fork import WorkerProcess
+from harness.process.fork import WorkerProcess, memory_of
 from harness.process.interrupts import Interrupts
 from harness.process.isolation import isolate, missing
 from harness.process.limits import Deadlines, Limits
@@ -30,8 +30,6 @@ from harness.process.messages import Done, Linked, Printed, Told, unpacked
 _LOOK_SECONDS = 0.05
 _GRACE_SECONDS = 0.4  # for a worker that was asked to stop
 
-Receive = Callable[[Any], Any]
-"""Takes what a worker tells; gives the answer where it waits for one."""
 Look = Callable[[float], None]
 """Called every now and then while a worker lives, with the share of its loop's cycles done."""
 
@@ -43,19 +41,18 @@ class Watch:
     def __init__(
         self,
         limits: Limits,
-        receive: Receive,
-        *,
+        marker: Marker,
+        receiver: Any = None,
         look: Look | None = None,
         files: Mapping[str, Path] | Path | None = None,
-        marker: Marker | None = None,
     ) -> None:
-        """Starts nothing. `files` are the FMUs, by component, or the only one."""
-        self.limits = limits
-        self.marker = marker or Marker()
+        """Starts nothing. What is told are calls of methods of `receiver`; `files` are the FMUs, by
+        component, or the only one."""
+        self.limits, self.marker = limits, marker
         self.fault: BaseException | None = None
         self.done: Done | None = None
         self.died = False
-        self._receive, self._notice = receive, look
+        self._receiver, self._notice = receiver, look
         self._calls = sentence.Calls(files)
 
     def follow(self, work: Callable[[Connection], None]) -> None:
@@ -127,9 +124,10 @@ class Watch:
     def _take(self, worker: WorkerProcess, message: Any) -> None:
         match message:
             case Told():
-                answer = self.attempt(self._receive, message.content)
+                answer = self.attempt(message.method, self._receiver, *message.arguments)
                 if message.answered:
-                    worker.tell(answer)
+                    with suppress(OSError):  # the worker is gone
+                        worker.connection.send(answer)
             case Linked():
                 self._calls.linked = message
             case Printed():
@@ -140,7 +138,7 @@ class Watch:
 
     def _look(self, worker: WorkerProcess, deadlines: Deadlines) -> None:
         """See how far the worker is, and whether limits are kept."""
-        where, held, linked = self.marker.where(), worker.memory(), self._calls.linked
+        where, held, linked = self.marker.where(), memory_of(worker.pid), self._calls.linked
         if self._notice is not None and linked is not None:
             self.attempt(self._notice, min(1.0, where.cycle / linked.cycles))
         if limit := deadlines.exceeded(where, held):

@@ -29,7 +29,7 @@ from harness.process.checkpoint import Snapshot, differences, made_of, restore, 
 from harness.process.limits import Limits
 from harness.process.loops import VisibleHost
 from harness.process.marker import RowMemory
-from harness.process.messages import Checkpoint, Chunk, Logged, Notes, Room, Texts
+from harness.process.recorder import RunRecorder
 from harness.process.task import StopAskedError, Teller
 from harness.system.graph import Endpoint, System
 
@@ -59,10 +59,10 @@ def run_job(job: Job, row_memory: int, teller: Teller) -> None:
         check_needed(job.needed, columns)
         manifest = manifest_of(plan, fmus, columns)
         reason = host.check_resumable(plan, fmus)
-        teller.tell(replace(manifest, not_resumable=reason), answered=True)
+        teller.tell(RunRecorder.begin, replace(manifest, not_resumable=reason), answered=True)
         teller.answer()
         outcome = execute(plan, fmus, host, echo=host.logged, logging=job.logging, host=host)
-    teller.tell(Notes(outcome.notes))
+    teller.tell(RunRecorder.notes, outcome.notes)
     if outcome.fault is not None:
         raise StopAskedError if teller.marker.stop[0] else outcome.fault
 
@@ -106,9 +106,9 @@ class _Host(VisibleHost):
 
     def logged(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something."""
-        self._teller.logged(f"{component}: {shorten(message.text, 300)}")
+        self._teller.marker.logged(f"{component}: {shorten(message.text, 300)}")
         if self._job.logging:
-            self._teller.tell(Logged(component, message))
+            self._teller.tell(RunRecorder.logged, component, message)
 
     def chunk_rows(self, columns: int) -> int:
         """More than in one process, since every chunk costs two messages."""
@@ -119,7 +119,7 @@ class _Host(VisibleHost):
         self._memory = RowMemory(self._descriptor, rows, columns, create=True)
         # events of one FMU may be recorded after later ones of another
         in_order = self._program is not None and len(self._program.events) < 2
-        self._teller.tell(Room(rows, columns, in_order))
+        self._teller.tell(RunRecorder.room, rows, columns, in_order)
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
         """One half of the memory, after the supervisor has taken what was in it."""
@@ -128,26 +128,24 @@ class _Host(VisibleHost):
             self._teller.answer()
             self._taken += 1
         self._teller.marker.begin_chunk(self._told + 1)
-        half = self._told % 2
-        return self._memory.times[half], self._memory.values[half]
+        return self._memory.of(self._told + 1)
 
     def add_texts(self, new: Sequence[str | bytes]) -> None:
         """Tell them before the rows that name them are there; a run that is resumed has those of
         its checkpoint."""
         if self._begun or self._job.resumed is None:
-            self._teller.tell(Texts(tuple(new)))
+            self._teller.tell(RunRecorder.texts, tuple(new))
 
     def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         """A chunk is done; its rows are where the supervisor finds them, if need be in another
         order than before."""
         assert self._memory is not None
-        half = self._told % 2
-        if not np.shares_memory(times, self._memory.times[half]):
-            self._memory.times[half][: len(times)] = times
-            self._memory.values[half][: len(times)] = rows
+        own_times, own_rows = self._memory.of(self._told + 1)
+        if not np.shares_memory(times, own_times):
+            own_times[: len(times)], own_rows[: len(times)] = times, rows
         self._recorded += len(rows)
         self._told += 1
-        self._teller.tell(Chunk(self._told, len(rows)), answered=True)
+        self._teller.tell(RunRecorder.chunk, self._told, len(rows), answered=True)
 
     def begin(self, program: Program) -> int:
         """The first cycle, or that after the checkpoint."""
@@ -157,7 +155,8 @@ class _Host(VisibleHost):
         if every is not None:  # between cycles, so at least one, and rather too late
             ticks = round(every * self._job.system.ticks_per_second)
             self._cycles_between = -(-ticks // program.plan.cycle_ns)
-        self._teller.tell(Notes(tuple(n for p in program.participants.values() for n in p.notes)))
+        notes = tuple(n for p in program.participants.values() for n in p.notes)
+        self._teller.tell(RunRecorder.notes, notes)
         snapshot = self._job.resumed
         if snapshot is None:
             return 0
@@ -191,5 +190,5 @@ class _Host(VisibleHost):
         except FmuError:  # it promised what it cannot do; the run itself goes on
             self._made_of = None
             return
-        self._teller.tell(Checkpoint(snapshot.to_bytes()))
+        self._teller.tell(RunRecorder.checkpoint, snapshot.to_bytes())
         self._saved = time.monotonic()

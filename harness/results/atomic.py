@@ -8,6 +8,8 @@ from pathlib import Path
 
 from harness.errors import RecordingError
 
+ANOTHER_FOLDER = "; choose another one"
+
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
@@ -23,19 +25,26 @@ def atomic_write(path: Path) -> Iterator[Path]:
         raise
 
 
+@contextmanager
+def writing(what: str, folder: Path | None = None, *, way_out: str = "") -> Iterator[None]:
+    """Makes `folder`, if one is given. An `OSError` while open becomes a `RecordingError`: `what`,
+    why, and a `way_out`."""
+    try:
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as fault:
+        raise RecordingError(f"{what}: {fault.strerror or fault}{way_out}") from fault
+
+
 def check_free(folder: Path, name: str) -> None:
     """Make `folder` where it is missing; raises `RecordingError` where that cannot be, or where it
     holds a `name` already. Asked before long work, whose results go there."""
-    path, probe = folder / name, folder / f".{name}.probe"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    probe = folder / f".{name}.probe"
+    with writing(f"cannot write into the folder {folder}", folder, way_out=ANOTHER_FOLDER):
         probe.touch()
         probe.unlink()
-    except OSError as fault:
-        raise RecordingError(
-            f"cannot write into the folder {folder}: {fault.strerror or fault}; choose another one"
-        ) from fault
-    if path.exists():
+    if (folder / name).exists():
         raise RecordingError(
             f"the folder {folder} holds a {name} already; nothing was changed in it: choose "
             "another folder"

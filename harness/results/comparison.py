@@ -11,8 +11,8 @@ the two does between the rows of the other is not judged: a reference sampled ev
 know how fast a ball was when it hit the ground.
 
 Strings and binaries must be equal to some value of the reference in the window. Rows beyond the
-times of the other are not judged, and NaN is outside. A column agrees where at least `share` of
-its judged rows are inside; by default all of them.
+times of the other are not judged, and NaN is outside. A column agrees where all of its judged rows
+are inside.
 """
 
 from __future__ import annotations
@@ -39,7 +39,6 @@ class Band:
     time: float
     relative: float = 0.01
     absolute: float = 1e-12
-    share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,11 @@ class Agreement:
     inside: int
     largest: float
     first_outside: float | None
-    agrees: bool
+
+    @property
+    def agrees(self) -> bool:
+        """Whether there are rows to judge, and all are inside."""
+        return 0 < self.judged == self.inside
 
 
 def first_difference(labels: Sequence[str], expected: Array, found: Array) -> str | None:
@@ -83,8 +86,9 @@ def compare_with_file(
         raise UsageError(f"{path} has no column but the time")
     if time_band is None:
         time_band = max(_spacing(result.time), _spacing(reference.time))
-    elif not (np.isfinite(time_band) and time_band >= 0.0):
-        raise UsageError(f"the time band must not be negative, not {time_band} s")
+    for what, width in (("time", time_band), ("value", value_band)):
+        if not (np.isfinite(width) and width >= 0.0):
+            raise UsageError(f"the {what} band must not be negative, not {width}")
     band = Band(time_band, value_band)
     return compare(result, reference, band), band
 
@@ -148,7 +152,7 @@ def _numbers(result: Result, time: Array, values: Array, name: str, band: Band) 
     low, high = tube(at, *dense, band.time, width, held)
     inside = (own >= low) & (own <= high)
     distance = np.abs(own - _at(at, *dense, held))
-    return _agreement(name, at, inside, float(distance.max(initial=0.0)), band)
+    return _agreement(name, at, inside, float(distance.max(initial=0.0)))
 
 
 def _texts(result: Result, reference: ReferenceTable, name: str, band: Band) -> Agreement:
@@ -159,7 +163,7 @@ def _texts(result: Result, reference: ReferenceTable, name: str, band: Band) -> 
     last = np.maximum(np.searchsorted(reference.time, at + band.time, "right"), 1)
     windows = zip(own, first, last, strict=True)
     inside = np.array([text in cells[a:b] for text, a, b in windows], dtype=np.bool_)
-    return _agreement(name, at, inside, 0.0 if inside.all() else float("nan"), band)
+    return _agreement(name, at, inside, 0.0 if inside.all() else float("nan"))
 
 
 def _overlap(time: Array, reference: Array, band: Band) -> NDArray[np.bool_]:
@@ -167,10 +171,7 @@ def _overlap(time: Array, reference: Array, band: Band) -> NDArray[np.bool_]:
     return np.asarray(inside, dtype=np.bool_)
 
 
-def _agreement(
-    name: str, at: Array, inside: NDArray[np.bool_], largest: float, band: Band
-) -> Agreement:
-    count, total = int(np.count_nonzero(inside)), len(at)
-    first = None if count == total else float(at[int(np.argmin(inside))])
-    agrees = total > 0 and count >= band.share * total
-    return Agreement(name, total, count, largest, first, agrees)
+def _agreement(name: str, at: Array, inside: NDArray[np.bool_], largest: float) -> Agreement:
+    outside = at[~inside]
+    first = float(outside[0]) if len(outside) else None
+    return Agreement(name, len(at), len(at) - len(outside), largest, first)

@@ -16,9 +16,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import RecordingError, UsageError
+from harness.errors import UsageError
 from harness.fmi.description.model_description import element_names
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.columns import TIME, Column
 from harness.results.result import Result
 
@@ -33,12 +33,10 @@ def write_csv(result: Result, path: Path) -> None:
         for name in (TIME, *result.names)
     ]
     table = pa.Table.from_arrays(arrays, names=[TIME, *result.names])
-    try:
-        with atomic_write(path) as partial, partial.open("wb") as file:
-            write_csv_header(file, result.columns)
-            write_csv_rows(file, table)
-    except OSError as fault:
-        raise RecordingError(f"{path} cannot be written: {fault.strerror or fault}") from fault
+    cannot = writing(f"{path} cannot be written")
+    with cannot, atomic_write(path) as partial, partial.open("wb") as file:
+        write_csv_header(file, result.columns)
+        write_csv_rows(file, table)
 
 
 def write_csv_header(file: IO[bytes], columns: Sequence[Column]) -> None:

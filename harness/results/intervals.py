@@ -32,7 +32,6 @@ class PairedDifference:
     confidence: float
     pairs: int
     left_out: int
-    method: str
 
     @property
     def distinct(self) -> bool:
@@ -45,15 +44,11 @@ def paired_difference(
     second: Sequence[float | None] | Array,
     *,
     confidence: float = 0.95,
-    method: str = "t",
-    resamples: int = 10_000,
-    seed: int = 0,
 ) -> PairedDifference:
-    """The mean difference first − second of paired values, in their unit.
+    """The mean difference first − second of paired values, in their unit: mean ± t_{n−1}·s/√n,
+    exact for normal differences, good for many pairs.
 
-    `method` "t": mean ± t_{n−1}·s/√n, exact for normal differences, good for many pairs.
-    "bootstrap": the percentile interval of `resamples` resampled means (seeded), for skewed or
-    heavy-tailed differences. Values that are None, NaN or infinite leave their pair out.
+    Values that are None, NaN or infinite leave their pair out.
     """
     if len(first) != len(second):
         raise UsageError(f"pairs were expected, got {len(first)} values and {len(second)}")
@@ -63,28 +58,9 @@ def paired_difference(
     d = a[finite] - b[finite]
     if len(d) < 2:
         raise UsageError(f"at least 2 pairs of numbers are needed, got {len(d)} of {len(a)}")
-    mean = float(np.mean(d))
-    if method == "t":
-        error = float(np.std(d, ddof=1)) / np.sqrt(len(d))
-        half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(d) - 1)) * error
-        low, high = mean - half, mean + half
-    elif method == "bootstrap":
-        low, high = _percentile_interval(d, confidence, resamples, seed)
-    else:
-        raise UsageError(f"the method must be 't' or 'bootstrap', got {method!r}")
-    return PairedDifference(
-        mean, float(low), float(high), confidence, len(d), len(a) - len(d), method
-    )
-
-
-def _percentile_interval(
-    d: Array, confidence: float, resamples: int, seed: int
-) -> tuple[float, float]:
-    random = np.random.Generator(np.random.PCG64(seed))
-    means = np.array([d[random.integers(len(d), size=len(d))].mean() for _ in range(resamples)])
-    tail = 0.5 * (1.0 - confidence)
-    low, high = np.quantile(means, [tail, 1.0 - tail])
-    return float(low), float(high)
+    mean, error = float(np.mean(d)), float(stats.sem(d))
+    half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(d) - 1)) * error
+    return PairedDifference(mean, mean - half, mean + half, confidence, len(d), len(a) - len(d))
 
 
 @dataclass(frozen=True)

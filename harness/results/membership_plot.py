@@ -11,15 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harness.errors import UsageError
-from harness.results.plots import (
-    PALETTE,
-    PANEL_HEIGHT,
-    WIDTH,
-    axis_label,
-    legend_of_all,
-    new_figure,
-    style_axes,
-)
+from harness.results.plots import PALETTE, axis_label, legend_of_all, panels
 
 Array = NDArray[np.float64]
 _BEFORE: dict[str, Any] = {"linestyle": (0, (3, 2)), "linewidth": 1.0}
@@ -44,10 +36,8 @@ def membership_plot(
     in its colour."""
     if [one.variable for one in before] != [one.variable for one in after] or not before:
         raise UsageError("membership functions before and after must be of the same variables")
-    figure = new_figure((WIDTH, 0.9 + PANEL_HEIGHT * len(before)), title)
-    axes = list(np.atleast_1d(figure.subplots(len(before), 1)))
+    figure, axes = panels(len(before), title, shared=False)
     for old, new, panel in zip(before, after, axes, strict=True):
-        style_axes(panel)
         for index, term in enumerate(old.terms):
             color = PALETTE[index % len(PALETTE)]
             for curves, when, style in ((old, "before", _BEFORE), (new, "after", _AFTER)):

@@ -9,6 +9,7 @@ a Figure, which the caller saves (`save_figures`) or shows.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ REFERENCE_STYLE: dict[str, Any] = {"color": "black", "linestyle": (0, (3, 2)), "
 STEPS: dict[str, Any] = {"drawstyle": "steps-post"}
 WIDTH, PANEL_HEIGHT, DPI = 8.0, 2.3, 130
 MOST_CURVES = 5
+_LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "borderaxespad": 0.2}
 _LINE = 100  # letters that fit above a panel
 
 
@@ -46,12 +48,18 @@ def axis_label(quantity: str, unit: str) -> str:
     return f"{quantity} ({'–' if unit in ('', '1') else unit})"
 
 
-def panels(count: int, title: str, *, height: float = PANEL_HEIGHT) -> tuple[Figure, list[Axes]]:
-    """A figure with `count` panels above each other that share the time axis."""
+def panels(
+    count: int, title: str, *, height: float = PANEL_HEIGHT, shared: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """A figure with `count` panels above each other, which share the time axis if it is `shared`:
+    light grid, no box at the top and right, no margin along the time."""
     figure = new_figure((WIDTH, 1.1 + height * count), title)
-    axes = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
+    axes = list(np.atleast_1d(figure.subplots(count, 1, sharex=shared)))
     for one in axes:
-        style_axes(one)
+        one.grid(visible=True, color="0.88", linewidth=0.6)
+        one.set_axisbelow(True)
+        one.spines[["top", "right"]].set_visible(False)
+        one.margins(x=0.0)
     axes[-1].set_xlabel(axis_label("time", "s"))
     return figure, axes
 
@@ -65,28 +73,12 @@ def new_figure(size: tuple[float, float], title: str) -> Figure:
     return figure
 
 
-def style_axes(axes: Axes) -> None:
-    """Light grid, no box at the top and right, no margin along the time."""
-    axes.grid(visible=True, color="0.88", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.margins(x=0.0)
-
-
 def legend(axes: Axes) -> None:
     """The legend above the panel, in one row where it fits, so that it hides no curve."""
-    handles, labels = axes.get_legend_handles_labels()
+    labels = axes.get_legend_handles_labels()[1]
     room = _LINE // (max(map(len, labels), default=0) + 8)
-    axes.legend(
-        handles,
-        labels,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=max(1, min(len(labels), room, 5)),
-        frameon=False,
-        fontsize="small",
-        borderaxespad=0.2,
-    )
+    columns = max(1, min(len(labels), room, 5))
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, **_LEGEND)
 
 
 def overview_plot(
@@ -133,18 +125,10 @@ def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -
 
 def legend_of_all(figure: Figure, axes: Iterable[Axes], columns: int = 5) -> None:
     """One legend below the panels, with each name once, filled column by column."""
-    found: dict[str, Any] = {}
-    for one in axes:
-        for handle, name in zip(*one.get_legend_handles_labels(), strict=True):
-            found.setdefault(name, handle)
-    figure.legend(
-        found.values(),
-        found.keys(),
-        loc="outside lower center",
-        ncols=min(max(len(found), 1), columns),
-        frameon=False,
-        fontsize="small",
-    )
+    legends = (zip(*one.get_legend_handles_labels(), strict=True) for one in axes)
+    found = {name: handle for handle, name in chain.from_iterable(legends)}
+    columns = min(max(len(found), 1), columns)
+    figure.legend(found.values(), found, loc="outside lower center", ncols=columns, **_LEGEND)
 
 
 def signals_plot(result: Trajectory, names: Sequence[str], *, title: str = "") -> Figure:

@@ -24,7 +24,7 @@ import errno
 import os
 import time as clock
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.errors import RecordingError
+from harness.results.atomic import ANOTHER_FOLDER, writing
 from harness.results.columns import Column, check_columns, schema_of, values_of
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
@@ -81,14 +82,12 @@ class Recording:
         self._last: float | None = None
         self._file: Any = None
         self._stream: Any = None
-        self._lock: FolderLock | None = None
+        self._lock = ExitStack()
         if self.folder is not None:
-            self._lock = FolderLock(self.folder)
-            try:
+            with ExitStack() as stack:
+                stack.enter_context(locked(self.folder))
                 self._open(self.folder, continued)
-            except BaseException:
-                self._lock.release()
-                raise
+                self._lock = stack.pop_all()
 
     def _open(self, folder: Path, continued: int | None) -> None:
         import pyarrow as pa
@@ -164,15 +163,13 @@ class Recording:
         self._last = float(times[-1])
 
     def _check_order(self, times: NDArray[np.float64]) -> None:
-        before = -np.inf if self._last is None else self._last
-        ordered = times[1:] >= times[:-1]  # false for NaN too
-        if times[0] >= before and ordered.all():
-            return
-        at = int(np.argmin(ordered)) + 1 if times[0] >= before else 0
-        before = times[at - 1] if at else before
-        raise RecordingError(
-            f"rows were recorded back in time: {times[at]:.17g} s after {before:.17g} s"
-        )
+        every = np.append(-np.inf if self._last is None else self._last, times)
+        late = np.flatnonzero(~(every[1:] >= every[:-1]))  # NaN too
+        if late.size:
+            before, time = every[late[0] : late[0] + 2]
+            raise RecordingError(
+                f"rows were recorded back in time: {time:.17g} s after {before:.17g} s"
+            )
 
     def _write(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         import pyarrow as pa
@@ -199,60 +196,40 @@ class Recording:
 
         A second call gives the same result.
         """
-        if self.result is not None:
-            return self.result
-        self._set_status(reason)
-        if self.folder is None:
-            self.result = self._from_memory()
-        else:
-            try:
-                self._close()
-                self.result = seal(self.folder, self._manifest, keep_stream=keep_stream)
-            finally:
-                if self._lock is not None:
-                    self._lock.release()
+        if self.result is None:
+            self.result = self._end(reason, keep_stream)
+            assert self.result is not None
         return self.result
 
-    def leave(self, reason: str, *, keep_stream: bool = False) -> RunStatus:
+    def leave(self, reason: str, *, keep_stream: bool = False) -> Result | None:
         """Ends the recording as incomplete within a moment, for somebody who waits.
 
         In a folder more than `_QUICK_BYTES` of rows stay in their stream, which a reader opens and
-        `seal` turns into the usual files. Gives no result; nothing can be appended afterwards.
+        `seal` turns into the usual files; then there is no result. Nothing can be appended
+        afterwards.
         """
-        status = self._set_status(reason)
-        if self.folder is None:
-            return status
-        try:
-            self._close()
-            with self._writing("cannot close the rows in"):
-                if (self.folder / STREAM_FILE).stat().st_size <= _QUICK_BYTES:
-                    seal(self.folder, self._manifest, keep_stream=keep_stream)
-                else:
-                    self._manifest.write(self.folder)
-        finally:
-            self._stream = None
-            if self._lock is not None:
-                self._lock.release()
-        return status
+        return self._end(reason, keep_stream, most=_QUICK_BYTES)
 
-    def _set_status(self, reason: str) -> RunStatus:
+    def _end(self, reason: str, keep_stream: bool, *, most: int | None = None) -> Result | None:
+        """Close; the result, None where the stream has more than `most` bytes and stays."""
         status = RunStatus(INCOMPLETE if reason else COMPLETE, self._last, reason)
         wall_time = clock.perf_counter() - self._begun
         self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
-        return status
-
-    def _from_memory(self) -> Result:
-        time = np.concatenate([np.empty(0), *(times for times, _ in self._chunks)])
-        rows = np.concatenate(
-            [np.empty((0, len(self.columns))), *(rows for _, rows in self._chunks)]
-        )
-        return Result.of(self.columns, time, self._values(rows), self._manifest)
-
-    def _close(self) -> None:
-        if self._stream is not None:
+        if self.folder is None:
+            time = np.concatenate([np.empty(0), *(times for times, _ in self._chunks)])
+            none = np.empty((0, len(self.columns)))
+            rows = np.concatenate([none, *(rows for _, rows in self._chunks)])
+            return Result.of(self.columns, time, self._values(rows), self._manifest)
+        with self._lock:
+            stream, self._stream = self._stream, None
             with self._writing("cannot close the rows in"):
-                self._stream.close()
-                self._file.close()
+                if stream is not None:
+                    stream.close()
+                    self._file.close()
+                if most is not None and (self.folder / STREAM_FILE).stat().st_size > most:
+                    self._manifest.write(self.folder)
+                    return None
+            return seal(self.folder, self._manifest, keep_stream=keep_stream)
 
     def __enter__(self) -> Self:
         """This recording."""
@@ -267,42 +244,41 @@ class Recording:
             self.leave(reason)
 
 
-class FolderLock:
-    """A run folder, made where it is not there, that no other run writes into meanwhile.
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """While open, no other run writes into `folder`, which is made where it is not there.
 
     The system holds the lock, so it is gone with the process. Where there are no such locks,
-    only the check that the folder is empty keeps runs apart.
+    only the check that the folder is empty keeps runs apart. Raises `RecordingError` where the
+    folder cannot be made, or another run has it.
     """
+    held: int | None = None
+    with writing(f"cannot make the run folder {folder}", folder, way_out=ANOTHER_FOLDER):
+        if fcntl is not None:
+            held = _lock(folder)
+    try:
+        yield
+    finally:
+        if held is not None and fcntl is not None:
+            fcntl.flock(held, fcntl.LOCK_UN)  # also for processes forked meanwhile
+            os.close(held)
 
-    def __init__(self, folder: Path) -> None:
-        """Raises `RecordingError` where the folder cannot be made, or another run has it."""
-        self._descriptor: int | None = None
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            if fcntl is None:
-                return
-            self._descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as fault:
-            self.release()
-            raise RecordingError(
-                f"another run is writing into the run folder {folder}; choose another one, or wait"
-            ) from fault
-        except OSError as fault:
-            self.release()
-            if fault.errno in (errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK):
-                return
-            raise RecordingError(
-                f"cannot make the run folder {folder}: {fault.strerror or fault}; choose another "
-                "one"
-            ) from fault
 
-    def release(self) -> None:
-        """Let others have the folder."""
-        if self._descriptor is not None and fcntl is not None:
-            fcntl.flock(self._descriptor, fcntl.LOCK_UN)  # also for processes forked meanwhile
-            os.close(self._descriptor)
-        self._descriptor = None
+def _lock(folder: Path) -> int | None:
+    """A descriptor of the folder that holds its lock, None where there are no such locks."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as fault:
+        os.close(descriptor)
+        if fault.errno in (errno.ENOTSUP, errno.ENOSYS, errno.ENOLCK):
+            return None
+        if not isinstance(fault, BlockingIOError):
+            raise
+        raise RecordingError(
+            f"another run is writing into the run folder {folder}; choose another one, or wait"
+        ) from fault
+    return descriptor
 
 
 def check_empty(folder: Path) -> None:

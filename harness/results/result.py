@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,9 +63,7 @@ class Result:
             numbers.append(np.asarray(own))
             if column.type != "real":
                 exact[column.name] = numbers[-1]
-        data = np.empty((len(time), len(numbers)), order="F")
-        for index, one in enumerate(numbers):
-            data[:, index] = one
+        data = np.array(numbers, dtype=np.float64).reshape(len(numbers), len(time)).T
         return cls(columns, time, data, manifest, texts=texts, exact=exact)
 
     def __post_init__(self) -> None:
@@ -87,8 +85,6 @@ class Result:
     def names(self) -> tuple[str, ...]:
         """The recorded names in the order of the files, without `time`."""
         return tuple(column.name for column in self.columns)
-
-    order = names
 
     @property
     def numeric(self) -> tuple[str, ...]:
@@ -145,10 +141,6 @@ class Result:
             for name, rows in odd.items()
             if rows.size
         )
-
-    def with_metrics(self, metrics: Mapping[str, float | None]) -> Result:
-        """The same result with these metrics."""
-        return replace(self, metrics=dict(metrics))
 
     def dataframe(self) -> pd.DataFrame:
         """A pandas DataFrame, one column a name in its own type, indexed by time (s); units in

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.errors import RecordingError
-from harness.results.atomic import atomic_write
+from harness.results.atomic import atomic_write, writing
 from harness.results.columns import TIME, Column, schema_of
 from harness.results.csv_files import write_csv_header, write_csv_rows
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
@@ -42,7 +42,8 @@ def seal(
     if not stream.exists():
         return read_recording(folder)
     written = manifest or read_manifest(folder)
-    try:
+    way_out = f"; its rows are in {STREAM_FILE}"
+    with writing(f"cannot write the results into {folder}", way_out=way_out):
         with atomic_write(folder / PARQUET_FILE) as table, atomic_write(folder / CSV_FILE) as text:
             last = _convert(stream, written.columns, table, text)
         if written.status.state == RUNNING:
@@ -51,10 +52,6 @@ def seal(
         written.write(folder)
         if not keep_stream:
             stream.unlink()
-    except OSError as fault:
-        raise RecordingError(
-            f"cannot write the results into {folder}: {fault}; its rows are in {STREAM_FILE}"
-        ) from fault
     return read_recording(folder)
 
 
@@ -64,30 +61,19 @@ def read_recording(folder: Path) -> Result:
     import pyarrow.parquet as parquet
 
     folder = Path(folder)
-    manifest = read_manifest(folder)
+    manifest, stream = read_manifest(folder), folder / STREAM_FILE
     try:
-        if (folder / STREAM_FILE).exists():
-            return _read_stream(folder, manifest)
-        table = parquet.read_table(folder / PARQUET_FILE)
+        if stream.exists():  # a running or dead process has written so far
+            batches = list(_whole_batches(stream))
+            table = pa.Table.from_batches(batches, schema=schema_of(manifest.columns))
+        else:
+            table = parquet.read_table(folder / PARQUET_FILE)
     except (OSError, pa.ArrowInvalid) as fault:
         raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
-    return _result(table, manifest, folder)
-
-
-def _read_stream(folder: Path, manifest: Manifest) -> Result:
-    """What a running or dead process has written so far."""
-    import pyarrow as pa
-
-    schema = schema_of(manifest.columns)
-    table = pa.Table.from_batches(list(_whole_batches(folder / STREAM_FILE)), schema=schema)
     if manifest.status.state == RUNNING:
         until = table.column(TIME)[-1].as_py() if table.num_rows else None
         status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
         manifest = replace(manifest, status=status)
-    return _result(table, manifest, folder)
-
-
-def _result(table: Any, manifest: Manifest, folder: Path) -> Result:
     time, *columns = table.columns
     values = [
         column.to_pylist() if known.dtype is None else np.array(column)

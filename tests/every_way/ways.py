@@ -77,7 +77,7 @@ def by_simulate(case: Case) -> Rows:
         inputs=_tracks(case), start_values=case.start_values, output_variables=job.watched,
         event_mode=case.event_mode, in_process=True,
     )  # fmt: skip
-    return _columns(job, result.time, list(result.order), result.__getitem__)
+    return _columns(job, result.time, list(result.names), result.__getitem__)
 
 
 def _bench(case: Case, job: Job, record: tuple[str, ...]) -> Bench:

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.cli.values import settings
+from harness.cli.options import settings
 from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment
 from harness.fmi.archive.unpack import Archive

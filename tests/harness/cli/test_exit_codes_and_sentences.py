@@ -6,6 +6,7 @@ import pytest
 
 from harness.cli.main import run_command_line
 from tests.harness.experiment.loops import FILE, write
+from tests.harness.fmi.archives import oscillator_fmu
 
 BAD_UNIT = FILE.replace("final = 2.0 }", 'final = 2.0, unit = "m" }').replace(
     "u_max = 10.0 }", 'u_max = 10.0, measured_unit = "N" }'
@@ -88,3 +89,24 @@ def test_a_run_that_ends_early_reports_and_keeps_what_there_is(
     assert code == 1 and "error: soft PID: output lag.y is" in error
     assert (tmp_path / "o" / "hard" / "results.csv").is_file()
     assert '"incomplete"' in (tmp_path / "o" / "soft" / "manifest.json").read_text()
+
+
+def test_an_output_that_is_a_file_is_named_as_such(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = write(tmp_path)
+    code, error = command(capsys, "run", str(path), "--output", str(path))
+    assert code == 1 and f"error: cannot make the run folder {path}: File exists" in error
+
+
+@pytest.mark.parametrize("name", ["info", "validate", "verify"])
+def test_ctrl_c_ends_any_command_with_a_sentence(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    fmu = str(oscillator_fmu(3))
+    monkeypatch.setattr("zipfile.ZipFile.__init__", interrupted)
+    code, error = command(capsys, name, fmu)
+    assert (code, error) == (1, "error: interrupted by Ctrl-C\n")

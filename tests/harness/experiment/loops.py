@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.cli.values import settings
+from harness.cli.options import settings
 from harness.experiment.experiment import Experiment
 
 

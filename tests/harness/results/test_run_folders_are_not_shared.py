@@ -1,5 +1,7 @@
 """Two runs never write into one folder, and a full disk leaves what was written before."""
 
+import errno
+import fcntl
 import subprocess
 import sys
 from pathlib import Path
@@ -41,6 +43,20 @@ def test_a_folder_that_is_written_into_is_refused(tmp_path: Path) -> None:
         Recording(COLUMNS, tmp_path / "run", continued=0)
     first.append(np.zeros(1), np.ones((1, 1)))
     assert first.finish().data.tolist() == [[1.0]]
+    with pytest.raises(RecordingError, match="is not empty"):
+        Recording(COLUMNS, tmp_path / "run")
+
+
+def test_a_file_system_without_locks_is_used_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(descriptor: int, operation: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    with Recording(COLUMNS, tmp_path / "run") as recording:
+        recording.append(np.zeros(1), np.ones((1, 1)))
+    assert read_recording(tmp_path / "run").data.tolist() == [[1.0]]
     with pytest.raises(RecordingError, match="is not empty"):
         Recording(COLUMNS, tmp_path / "run")
 

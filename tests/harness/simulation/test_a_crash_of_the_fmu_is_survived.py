@@ -100,8 +100,8 @@ def test_functions_as_inputs_work_in_the_worker() -> None:
 def test_without_a_fault_the_result_is_the_same(kind: str) -> None:
     here = simulate(model_fmu(kind), **OPTIONS, in_process=True)
     there = simulate(model_fmu(kind), **OPTIONS)
-    assert here.order == there.order and here.notes == there.notes
-    assert all(np.array_equal(here[name], there[name]) for name in here.order)
+    assert here.names == there.names and here.notes == there.notes
+    assert all(np.array_equal(here[name], there[name]) for name in here.names)
 
 
 def test_faults_come_back_as_they_are() -> None:

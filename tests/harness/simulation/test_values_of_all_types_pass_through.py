@@ -68,7 +68,7 @@ def test_arrays_take_their_size_from_a_structural_parameter() -> None:
     starts = {"n": 2, "w": [5.0, 7.0]}
     result = simulate(model_fmu("3"), stop_time=0.1, step_size=0.1, start_values=starts,
                       output_variables=["doubled", "table", "w"])  # fmt: skip
-    assert result.order == (
+    assert result.names == (
         "doubled[1]", "doubled[2]", "table[1,1]", "table[1,2]", "table[2,1]", "table[2,2]",
         "w[1]", "w[2]",
     )  # fmt: skip

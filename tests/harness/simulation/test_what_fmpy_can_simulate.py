@@ -31,7 +31,7 @@ def test_co_simulation_with_inputs_and_start_values_is_equal_to_the_bit() -> Non
     ours = simulate(path, stop_time=STOP, step_size=0.1, inputs={
         name: ([0.0, 0.4, 1.0], [0.0, 1.0, 1.0])})  # fmt: skip
     assert list(ours.time) == pytest.approx(list(theirs["time"]), abs=1e-15)
-    for column in ours.order:
+    for column in ours.names:
         assert np.allclose(ours[column], theirs[column], rtol=1e-12, atol=1e-300), column
 
 
@@ -41,7 +41,7 @@ def test_model_exchange_agrees_within_the_tolerance() -> None:
     ours = simulate(path, interface_type="me", stop_time=STOP, output_interval=0.1,
                     relative_tolerance=1e-8)  # fmt: skip
     rows = np.isclose(theirs["time"][:, None], ours.time[None, :], atol=1e-12).argmax(axis=1)
-    for column in ours.order:
+    for column in ours.names:
         scale = max(np.abs(theirs[column]).max(), 1e-9)
         assert np.abs(ours[column][rows] - theirs[column]).max() < 1e-5 * scale, column
 

@@ -1,0 +1,100 @@
+"""Arguments and options that commands share, and what their values mean."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from harness import registry
+from harness.errors import UsageError
+
+if TYPE_CHECKING:
+    from harness.experiment.experiment import Experiment
+    from harness.process.limits import Limits
+
+FmuFile = Annotated[Path, typer.Argument(help="An .fmu file")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON")]
+Validate = Annotated[
+    bool, typer.Option(help="Refuse an FMU whose description leaves open what it means")
+]
+FmiLogging = Annotated[bool, typer.Option(help="Print the messages of FMUs")]
+CallTimeout = Annotated[
+    float | None, typer.Option(help="Seconds that one call into an FMU may take")
+]
+RunTimeout = Annotated[float | None, typer.Option(help="Seconds that a run may take")]
+MemoryLimit = Annotated[str | None, typer.Option(help="Memory that a run may hold, as in '4 GiB'")]
+Isolate = Annotated[
+    bool, typer.Option(help="Let FMUs write no file but their own and open no connection")
+]
+ExperimentName = Annotated[
+    str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
+]
+Changes = Annotated[
+    list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
+]
+
+
+def limits_of(call: float | None, run: float | None, memory: str | None, isolate: bool) -> Limits:
+    """The limits that the flags mean; raises `UsageError`."""
+    from harness.process.limits import Limits, memory_size
+
+    given: dict[str, Any] = {} if call is None else {"call": call}
+    size = None if memory is None else memory_size(memory)
+    return Limits(**given, run=run, memory=size, isolate=isolate)
+
+
+@contextmanager
+def opened_experiment(name: str, changed: Mapping[str, Any] | None = None) -> Iterator[Experiment]:
+    """The experiment of that name with settings merged into it, while its files are there."""
+    from harness.experiment.experiment import Experiment
+    from harness.ssp.package import is_package
+    from harness.ssp.to_experiment import open_experiment
+
+    if is_package(name):
+        with open_experiment(name, dict(changed or {})) as experiment:
+            yield experiment
+    else:
+        yield Experiment.load(registry.experiment(name), changed)
+
+
+def settings(
+    pairs: Sequence[str] | None, flags: Mapping[str, Mapping[str, Any]] | None = None
+) -> dict[str, Any]:
+    """The tables that `pairs` stand for, both sides as in TOML, the value else as a string:
+    `seed=7`, `components.plant.step=0.005`, `connections."plant.command".delay=0.01`. Over them go
+    those of `flags` that are not None. Raises `UsageError` for what is no such pair."""
+    found: dict[str, Any] = {}
+    for pair in pairs or ():
+        key, equals, text = pair.partition("=")
+        if not equals or not key.strip():
+            raise UsageError(f"--set {pair!r} must have the form key=value, as in --set seed=7")
+        _into(found, _parse(pair, key, text))
+    for table, values in (flags or {}).items():
+        if given := {name: value for name, value in values.items() if value is not None}:
+            _into(found, {table: given})
+    return found
+
+
+def _parse(pair: str, key: str, text: str) -> dict[str, Any]:
+    for value in (text, json.dumps(text)):
+        try:
+            return tomllib.loads(f"{key} = {value}")
+        except tomllib.TOMLDecodeError:
+            continue
+    raise UsageError(
+        f"--set {pair!r}: {key!r} is no key; join names by dots, quote those with dots"
+    )
+
+
+def _into(found: dict[str, Any], given: dict[str, Any]) -> None:
+    for key, value in given.items():
+        if isinstance(value, dict) and isinstance(found.get(key), dict):
+            _into(found[key], value)
+        else:
+            found[key] = value
