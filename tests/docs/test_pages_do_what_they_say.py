@@ -1,7 +1,6 @@
 """Whoever follows a page on how to add something has it in the end: code, tests, commands."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -12,17 +11,8 @@ IN_THE_REPOSITORY = ("controller", "plant", "signal", "metric", "algorithm", "fm
 PAGES = (*IN_THE_REPOSITORY, "own-package")
 
 
-_STALE = ("signal", "metric", "fmi-function")
-"""Pages that show lines of the harness which have moved since, to be brought up to date."""
-
-
-def _case(page: str) -> Any:
-    stale = pytest.mark.xfail(reason="the lines that it shows have moved", strict=True)
-    return pytest.param(page, marks=[stale] if page in _STALE else [])
-
-
 @needs_compiler
-@pytest.mark.parametrize("page", [_case(page) for page in IN_THE_REPOSITORY])
+@pytest.mark.parametrize("page", IN_THE_REPOSITORY)
 def test_in_this_repository(page: str, tmp_path: Path) -> None:
     install(repository(tmp_path))
     follow(f"how-to-add/{page}.md", tmp_path)
