@@ -22,9 +22,9 @@ from harness.participants import kinds as kinds
 from harness.participants.driven import DrivenParticipant
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.grid import exact
-from harness.participants.memory import Memory
+from harness.participants.memory import Layout, Memory
 from harness.participants.model_exchange import ModelExchange
-from harness.system.graph import Endpoint, FmuComponent
+from harness.system.graph import FmuComponent
 from harness.system.policy import Policy
 
 
@@ -72,7 +72,7 @@ class Trial:
         start = self.subject.start
         self.participant.enter_initialization(start, None)
         clock = np.zeros(CLOCK_SIZE, dtype=np.int64)
-        self.participant.link(Memory(1, 8, clock, _nowhere, lambda end: "real"), {})
+        self.participant.link(Memory(Layout(), clock), {})
         if isinstance(self.participant, ModelExchange):
             self.participant.driven_by_wires = True
         self.participant.leave_initialization(start)
@@ -134,7 +134,3 @@ def running(subject: Subject, name: str = "subject") -> Iterator[Trial]:
         yield trial
     finally:
         trial.participant.close()
-
-
-def _nowhere(end: Endpoint, view: str) -> int:
-    raise KeyError(end)

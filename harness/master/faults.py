@@ -7,24 +7,12 @@ import ctypes
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.clock import show, to_seconds
 from harness.compiler import operations as op
 from harness.compiler.operations import INSTANT, OPERATION, RETURNED
 from harness.errors import EndRequestedError, HarnessError, SimulationError
 from harness.fmi.binding.instance import DISCARD, FATAL
 from harness.fmi.binding.logger import status_name
-from harness.master.plan.actions import (
-    Action,
-    Compute,
-    Iterate,
-    Linearise,
-    Read,
-    Restore,
-    Save,
-    Slope,
-    Step,
-    Write,
-)
+from harness.master.plan.actions import Iterate, Linearise, Step
 from harness.master.program.exchange import convert, encode
 from harness.master.program.link import Program
 from harness.participants.participant import Participant
@@ -39,11 +27,11 @@ def explain(program: Program, outcome: int) -> HarnessError:
     """
     now = int(program.clock[INSTANT])
     action = program.owners[int(program.clock[OPERATION])]
-    when = f"at t = {to_seconds(now):.9g} s"
+    when = f"at t = {program.plan.lowered.system.seconds(now):.9g} s"
     name = getattr(action, "component", "?")
     if outcome == op.EARLY:
         return SimulationError(
-            f"component {name}: {call_name(action)} {when} returned before the end of the step"
+            f"component {name}: {action.call()} {when} returned before the end of the step"
             f"{_got_until(program, now)}, although early return was not allowed at instantiation; "
             "report it to its maker"
         )
@@ -58,7 +46,9 @@ def explain(program: Program, outcome: int) -> HarnessError:
     fault = None if mover is None or outcome != op.STATUS else mover.explained(status)
     if mover is not None and fault is not None:
         return _own_fault(program, mover, fault, now, when)
-    instance = program.fmus[_fmu_of(program, action)].instance
+    if isinstance(action, Linearise):
+        name = getattr(program.plan.lowered.component(name), "component", name)  # its FMU
+    instance = program.fmus[name].instance
     if status == FATAL:
         instance.mark_dead()
     if status == DISCARD and isinstance(action, Step) and instance.asks_for_the_end():
@@ -72,7 +62,7 @@ def explain(program: Program, outcome: int) -> HarnessError:
     if status == DISCARD:
         label += _got_until(program, now)
     return SimulationError(
-        f"component {instance.name}: {call_name(action)} {when} returned {label}: "
+        f"component {instance.name}: {action.call()} {when} returned {label}: "
         f"{instance.log.reasons()}"
     )
 
@@ -87,7 +77,7 @@ def _got_until(program: Program, now: int) -> str:
     if row[0] != op.STEP_FMI3:
         return ""
     last = ctypes.c_double.from_address(int(row[5])).value
-    start, end = to_seconds(now), to_seconds(now + int(row[3]))
+    start, end = map(program.plan.lowered.system.seconds, (now, now + int(row[3])))
     if start < last < end:
         return f" (it got to t = {last:.9g} s)"
     if start <= last <= end or last == op.UNTOUCHED:
@@ -117,14 +107,14 @@ def _not_converged(program: Program, when: str) -> str:
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
     slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
-    port = next((end for end, place in program.layout.places() if place == slot), name)
+    port = next((end for end, place in program.memory.layout.places() if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
 
 
 def _out_of_range(program: Program, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
     slot, value = (_converted if row[0] == op.COPY_TYPED else _encoded)(program, row)
-    port = next(end for end, place in program.layout.slots.items() if place == slot)
+    port = next(end for end, place in program.memory.layout.slots.items() if place == slot)
     fmu = program.fmus.get(port.component)
     kind = "a 64-bit integer" if fmu is None else fmu.description.port(port.variable).type
     return (
@@ -170,33 +160,3 @@ def _own_fault(
     )
     error.__cause__ = fault
     return error
-
-
-def _fmu_of(program: Program, action: Action) -> str:
-    if isinstance(action, Linearise):
-        component = program.plan.lowered.component(action.component)
-        return str(getattr(component, "component", action.component))
-    assert isinstance(action, (Read, Write, Step, Compute, Save, Restore, Slope))
-    return action.component
-
-
-def call_name(action: Action) -> str:
-    """What an action asks of its component, as a phrase."""
-    match action:
-        case Read():
-            return f"getting {', '.join(action.outputs)}"
-        case Write():
-            return f"setting {', '.join(action.inputs)}"
-        case Step():
-            return f"doStep by {show(action.step_ns)}"
-        case Slope():
-            return "setting input derivatives"
-        case Save():
-            return "getting the FMU state"
-        case Restore():
-            return "setting the FMU state"
-        case Linearise():
-            return "directional derivative"
-        case Compute():
-            return "its step function"
-    return type(action).__name__

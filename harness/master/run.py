@@ -169,7 +169,7 @@ class _Run:
         for signal in program.signals:
             first = signal.source.sampler(named_seed(system.seed, signal.name))
             value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
-            program.v[program.layout.slots[Endpoint(signal.name, "value")]] = value[0]
+            program.v[program.memory.slot(Endpoint(signal.name, "value"))] = value[0]
         self.host.loop(True)
         outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
         self.host.loop(False)
@@ -178,7 +178,7 @@ class _Run:
         program.clock[:] = 0
         for delay in self.plan.lowered.sampled:
             if isinstance(delay, DelayComponent):
-                held = program.v[program.layout.slots[Endpoint(delay.name, "in")]]
+                held = program.v[program.memory.slot(Endpoint(delay.name, "in"))]
                 program.states[delay.name][1:] = held
         for participant in self.participants.values():
             participant.leave_initialization(start)

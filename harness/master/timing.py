@@ -16,24 +16,7 @@ from numpy.typing import NDArray
 
 from harness.clock import show
 from harness.fmi.fmu import Fmu
-from harness.master.plan.actions import (
-    Action,
-    Blend,
-    Compute,
-    Iterate,
-    Keep,
-    Linearise,
-    Read,
-    Record,
-    Restore,
-    Sample,
-    Save,
-    Slope,
-    Step,
-    Transfer,
-    UnlessStop,
-    Write,
-)
+from harness.master.plan.actions import Action, Iterate
 from harness.master.plan.planner import Plan
 from harness.master.run import execute, plan_system
 from harness.system.block import Array, KernelBlock, Port
@@ -77,52 +60,9 @@ def schedule(plan: Plan) -> Iterator[tuple[str, str]]:
 
 def _lines(actions: Iterable[Action], indent: str = "") -> Iterator[str]:
     for action in actions:
-        yield indent + describe(action)
+        yield f"{indent}{action}"
         if isinstance(action, Iterate):
             yield from _lines(action.body, indent + "    ")
-
-
-def describe(action: Action) -> str:
-    """An action in words."""
-    match action:
-        case Sample():
-            return f"sample signal {action.component}"
-        case Transfer():
-            how = "copy " if action.view == "present" else f"copy what was {action.view}: "
-            return how + ", ".join(f"{w.source} -> {w.target}" for w in action.wires)
-        case Compute():
-            return f"compute {action.component}"
-        case Linearise():
-            return f"linearise for {action.component}"
-        case Read():
-            when = {"applied": " after its inputs", "reached": " at the end of its step"}
-            return (
-                f"read {action.component}: {', '.join(action.outputs)}{when.get(action.view, '')}"
-            )
-        case Write():
-            return f"write {action.component}: {', '.join(action.inputs)}"
-        case Step():
-            return f"step {action.component} by {show(action.step_ns)}"
-        case Record():
-            return "record a row"
-        case Blend():
-            weights = ", ".join(f"{weight:+g} × {view}" for view, weight in action.terms)
-            ends = ", ".join(str(wire.target) for wire in action.wires)
-            return f"blend: {action.own:g} × {ends}, {weights} of what drives them"
-        case Slope():
-            ends = ", ".join(str(wire.target) for wire in action.wires)
-            return f"set the slopes of {ends}"
-        case Keep():
-            return f"keep as previous: {action.component}.{', '.join(action.outputs)}"
-        case Save():
-            return f"save the state of {action.component}"
-        case Restore():
-            return f"restore the state of {action.component}"
-        case UnlessStop():
-            return "end here at the stop time"
-        case Iterate():
-            ends = ", ".join(str(wire.target) for wire in action.wires)
-            return f"repeat until {ends} agree:"
 
 
 def measure_delays(system: System, fmus: Mapping[str, Fmu]) -> dict[Endpoint, tuple[Arrival, ...]]:

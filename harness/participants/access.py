@@ -8,7 +8,6 @@ the opposite sign of another one; its slot has the sign of its own name.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,9 +18,9 @@ import numpy as np
 from harness.compiler import operations as op
 from harness.errors import HarnessError
 from harness.fmi.binding.instance import FmuInstance
-from harness.fmi.description.model_description import ModelDescription, Variable
+from harness.fmi.description.model_description import Variable
 from harness.participants.memory import Memory, Row, View
-from harness.system.graph import Endpoint
+from harness.system.graph import Descriptions, Endpoint
 
 FLOAT64, WIDE, TEXT = -1, -2, -3
 """Kinds that need no encoding: what lies in a slot as it does in C; and texts."""
@@ -59,12 +58,14 @@ def access(variable: Variable, fmi_major: int) -> tuple[str, int]:
     return _KINDS[fmi_major][variable.type]
 
 
-def elements(
-    description: ModelDescription, component: str, variables: Iterable[str]
-) -> list[Endpoint]:
-    """The ports of an FMU, with all elements of an array for any of them, each once, in order."""
-    names = (name for variable in variables for name in description.whole(variable))
-    return [Endpoint(component, name) for name in dict.fromkeys(names)]
+def whole(ends: Iterable[Endpoint], descriptions: Descriptions) -> list[Endpoint]:
+    """The ports of FMUs, with all elements of an array for any of them, each once, in order."""
+    found = (
+        Endpoint(end.component, name)
+        for end in ends
+        for name in descriptions[end.component].whole(end.variable)
+    )
+    return list(dict.fromkeys(found))
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,8 @@ class Access:
             port = d.port(end.variable)
             return access(port, d.fmi_major), port.details.negated, slot(end) - i
 
-        ends = sorted(elements(d, self.name, variables), key=slot)
+        ports = (Endpoint(self.name, name) for name in variables)
+        ends = sorted(whole(ports, {self.name: d}), key=slot)
         for ((suffix, kind), negated, _), group in groupby(enumerate(ends), key=neighbours):
             members = tuple(end for _, end in group)
             yield _Group(suffix, kind, negated, members, slot(members[0]))
@@ -138,15 +140,12 @@ class Access:
 
     def references(self, ends: Sequence[Endpoint]) -> Any:
         """The value references of ports, uint32: of an array one for all of its elements."""
-        names = (self.description.elements.get(end.variable) for end in ends)
-        owners = [
-            end.variable if array is None else array[0].name
-            for end, array in zip(ends, names, strict=True)
-        ]
-        distinct = dict.fromkeys(owners)
-        return np.array(
-            [self.description.variable(name).value_reference for name in distinct], dtype=np.uint32
-        )
+        return np.array([v.value_reference for v in self._owners(ends)], dtype=np.uint32)
+
+    def _owners(self, ends: Sequence[Endpoint]) -> list[Variable]:
+        """The variables to which ports belong, each array once."""
+        names = dict.fromkeys(self.description.owner(end.variable) for end in ends)
+        return [self.description.variable(name) for name in names]
 
     def _rows(self, verb: str, group: _Group) -> Iterator[Row]:
         if group.kind == TEXT:
@@ -171,13 +170,7 @@ class Access:
     def _text(self, verb: str, group: _Group) -> Row:
         """A call of Python that gets or sets texts: an FMU's strings live until its next call."""
         memory = self.memory
-        names = list(dict.fromkeys(end.variable for end in group.ends))
-        owners = dict.fromkeys(
-            self.description.elements[name][0].name if name in self.description.elements else name
-            for name in names
-        )
-        variables = [self.description.variable(name) for name in owners]
-        bound = self.instance.group(*variables)
+        bound = self.instance.group(*self._owners(group.ends))
         cell = memory.cell(group.ends[0])
         empty: str | bytes = "" if cell == "text" else b""
         slots = slice(group.first, group.first + len(group.ends))
@@ -194,6 +187,4 @@ class Access:
                 return _FAILED
             return 0
 
-        function = ctypes.CFUNCTYPE(ctypes.c_int)(transfer)
-        memory.lives.append(function)
-        return [op.CALL_4, ctypes.cast(function, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
+        return [op.CALL_4, memory.function(transfer), 0, 0, 0, 0]

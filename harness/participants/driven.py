@@ -140,7 +140,7 @@ class DrivenParticipant(FmuParticipant):
         """Put the value of a clocked variable into its slots, where it has any."""
         for one, item in zip(self.description.whole(name), flat(value), strict=True):
             end = Endpoint(self.name, one)
-            if self.memory.has(end):
+            if end in self.memory.layout.slots:
                 self.memory.store(end, item)
                 self.memory.store(end, item, "event")
 

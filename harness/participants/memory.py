@@ -8,7 +8,9 @@ long as the program.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import ctypes
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -65,6 +67,34 @@ class Texts:
         self._numbers = {entry: number for number, entry in enumerate(entries)}
 
 
+@dataclass(frozen=True)
+class Layout:
+    """Slots by port: those of the present, and those of FMU outputs in another view; what they
+    hold, where that is no real number."""
+
+    slots: Mapping[Endpoint, int] = field(default_factory=dict)
+    views: Mapping[tuple[View, Endpoint], int] = field(default_factory=dict)
+    cells: Mapping[Endpoint, Cell] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """The number of slots."""
+        return len(self.slots) + len(self.views)
+
+    def slot(self, end: Endpoint, view: View = "present") -> int:
+        """The slot of a port in a view, of its present value where it has none in that view."""
+        return self.views.get((view, end), self.slots[end])
+
+    def cell(self, end: Endpoint) -> Cell:
+        """What the slots of a port hold."""
+        return self.cells.get(end, "real")
+
+    def places(self) -> Iterator[tuple[Endpoint, int]]:
+        """All slots with their ports."""
+        yield from self.slots.items()
+        yield from ((end, place) for (_, end), place in self.views.items())
+
+
 class Memory:
     """What `link` gives to participants.
 
@@ -74,23 +104,18 @@ class Memory:
     """
 
     def __init__(
-        self,
-        slots: int,
-        exchange: int,
-        clock: NDArray[np.int64],
-        slot: Callable[[Endpoint, View], int],
-        cell: Callable[[Endpoint], Cell],
+        self, layout: Layout, clock: NDArray[np.int64], scratch: int = 0, exchange: int = 8
     ) -> None:
-        """Room for that many slots and bytes; `slot` and `cell` say where a port lies and what it
-        holds."""
-        self.v = np.zeros(slots)
+        """Room for the slots of `layout`, so many that belong to no port, and so many bytes."""
+        self.v = np.zeros(max(1, layout.size + scratch))
         self.wide = self.v.view(np.int64)
         self.exchange = np.zeros(exchange, dtype=np.uint8)
-        self.clock, self.slot, self.cell = clock, slot, cell
+        self.clock, self.layout = clock, layout
+        self.slot, self.cell = layout.slot, layout.cell
         self.texts = Texts()
         self.lives: list[Any] = []
         self._exchange_used = 0
-        self.slots_used = 0
+        self._slots_used = layout.size
         self._copies: list[tuple[int, int, int]] = []
         self._scales: list[tuple[float, float]] = []
 
@@ -100,8 +125,8 @@ class Memory:
 
     def scratch(self, n: int) -> range:
         """Slots that belong to no port."""
-        first, self.slots_used = self.slots_used, self.slots_used + n
-        assert self.slots_used <= self.v.size
+        first, self._slots_used = self._slots_used, self._slots_used + n
+        assert self._slots_used <= self.v.size
         return range(first, first + n)
 
     def reserve(self, n_bytes: int) -> tuple[int, int]:
@@ -142,13 +167,12 @@ class Memory:
         self.lives.append(array)
         return int(array.ctypes.data)
 
-    def has(self, end: Endpoint) -> bool:
-        """Whether a port has a slot."""
-        try:
-            self.slot(end, "present")
-        except KeyError:
-            return False
-        return True
+    def function(self, call: Callable[..., int], *types: Any) -> int:
+        """The address of a C function that calls Python, with arguments of these types of ctypes;
+        it lives as long as the program."""
+        made = ctypes.CFUNCTYPE(ctypes.c_int, *types)(call)
+        self.lives.append(made)
+        return ctypes.cast(made, ctypes.c_void_p).value or 0
 
     def store(self, end: Endpoint, value: Any, view: View = "present") -> None:
         """Put a Python value into the slot of a port."""

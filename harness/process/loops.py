@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from harness.master.faults import call_name
 from harness.master.host import Host
 from harness.master.program.link import Program
 from harness.process.marker import Marker
@@ -28,7 +27,7 @@ class VisibleHost(Host):
             return
         system = program.plan.lowered.system
         names = {
-            id(action): (getattr(action, "component", ""), call_name(action))
+            id(action): (getattr(action, "component", ""), action.call())
             for action in {id(action): action for action in program.owners}.values()
         }
         calls = tuple(names[id(action)] for action in program.owners)

@@ -26,6 +26,7 @@ from harness.system.graph import (
     ALGEBRAIC_LOOPS,
     Component,
     Connection,
+    Descriptions,
     Endpoint,
     FmuComponent,
     PythonComponent,
@@ -35,7 +36,6 @@ from harness.system.graph import (
 from harness.system.policy import DISCARDED_STEPS, SOLVERS, interface_of
 from harness.system.units import Unit, conversion, parse_unit
 
-Descriptions = Mapping[str, ModelDescription]
 TEXT_TYPES = ("String", "Binary")
 ANY = "any"
 """The type of a port that takes what it is wired to."""

@@ -13,10 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from harness.clock import NANOSECONDS
+from harness.fmi.description.model_description import ModelDescription
 from harness.instruments.imperfections import Imperfection
 from harness.instruments.source import SignalSource
 from harness.system.block import Block, BlockSignal, Port
 from harness.system.policy import Policy
+
+Descriptions = Mapping[str, ModelDescription]
+"""What the FMUs of a system say of themselves, by component."""
 
 
 @dataclass(frozen=True)

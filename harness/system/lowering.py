@@ -33,11 +33,12 @@ from harness.fmi.description.model_description import element_names
 from harness.instruments.imperfection_steps import delay_step, pass_step
 from harness.instruments.imperfections import Imperfection
 from harness.system.block import KernelBlock, Port
-from harness.system.check import Descriptions, inputs_of, outputs_of
+from harness.system.check import inputs_of, outputs_of
 from harness.system.graph import (
     BlockComponent,
     Component,
     Connection,
+    Descriptions,
     Endpoint,
     FmuComponent,
     SampledComponent,

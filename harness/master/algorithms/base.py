@@ -172,7 +172,7 @@ class Algorithm(ABC):
         """The slopes that wires bring (see `Slope`)."""
         for name in by_component(wire.target for wire in wires):
             into = tuple(wire for wire in wires if wire.target.component == name)
-            yield Slope(name, into, own, terms, self.step_ns[name])
+            yield Slope(into, own, terms, name, self.step_ns[name])
 
     @final
     def feeding(self, wires: Iterable[Wire]) -> tuple[Wire, ...]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 from harness.compiler import operations as op
-from harness.master.plan.actions import Blend, Keep, Slope, Transfer
-from harness.master.program.layout import Layout
+from harness.master.plan.actions import Blend, Keep, Transfer
 from harness.participants.memory import Cell, Memory, Row
 from harness.system.graph import Endpoint
 from harness.system.lowering import Wire
@@ -23,13 +22,13 @@ Stored = Callable[[Endpoint], int]
 """By which conversion a real is held by the variable behind a port; EXACT where as it is."""
 
 
-def transfer(memory: Memory, layout: Layout, action: Transfer, stored: Stored) -> Iterator[Row]:
+def transfer(memory: Memory, action: Transfer, stored: Stored) -> Iterator[Row]:
     """Copy along wires."""
     plain: list[Wire] = []
     typed: list[tuple[Wire, int]] = []
     how: int
     for wire in action.wires:
-        cells = layout.cell(wire.source), layout.cell(wire.target)
+        cells = memory.cell(wire.source), memory.cell(wire.target)
         if cells == ("real", "real"):
             how = stored(wire.target)
             if how == op.EXACT:
@@ -39,42 +38,39 @@ def transfer(memory: Memory, layout: Layout, action: Transfer, stored: Stored) -
             how = _CONVERSIONS.get(cells, op.EXACT)
         typed.append((wire, how))
     if plain:
-        yield memory.copy(*_ends(layout, action, plain), _scales(plain))
+        yield memory.copy(*_ends(memory, action, plain), _scales(plain))
     if typed:
         wires = [wire for wire, _ in typed]
         conversions = [conversion for _, conversion in typed]
-        ends = _ends(layout, action, wires)
+        ends = _ends(memory, action, wires)
         yield memory.copy(*ends, _scales(wires), op.COPY_TYPED, conversions)
 
 
-def _ends(layout: Layout, action: Transfer, wires: Sequence[Wire]) -> tuple[list[int], list[int]]:
-    sources = [layout.slot(wire.source, action.view) for wire in wires]
-    return sources, [layout.slots[wire.target] for wire in wires]
+def _ends(memory: Memory, action: Transfer, wires: Sequence[Wire]) -> tuple[list[int], list[int]]:
+    sources = [memory.slot(wire.source, action.view) for wire in wires]
+    return sources, [memory.slot(wire.target) for wire in wires]
 
 
 def _scales(wires: Sequence[Wire], by: float = 1.0) -> list[tuple[float, float]]:
     return [(by * wire.factor, by * wire.offset) for wire in wires]
 
 
-def keep(memory: Memory, layout: Layout, action: Keep) -> Row:
+def keep(memory: Memory, action: Keep) -> Row:
     """Copy present values to previous ones."""
     ends = [Endpoint(action.component, output) for output in action.outputs]
-    present = [layout.slots[end] for end in ends]
-    return memory.copy(present, [layout.slot(end, "previous") for end in ends])
+    return memory.copy(
+        [memory.slot(end) for end in ends], [memory.slot(end, "previous") for end in ends]
+    )
 
 
 def weigh(
-    memory: Memory,
-    layout: Layout,
-    action: Blend | Slope,
-    into: Sequence[int] | None = None,
-    share: float = 1.0,
+    memory: Memory, action: Blend, into: Sequence[int] | None = None, share: float = 1.0
 ) -> Iterator[Row]:
     """`share` times the weighted sum of an action, into slots of its own or its targets."""
-    targets = [layout.slots[wire.target] for wire in action.wires]
+    targets = [memory.slot(wire.target) for wire in action.wires]
     own = action.own * share
     if into is not None or own != 1.0:
         yield memory.copy(targets, into or targets, [(own, 0.0)] * len(targets))
     for view, weight in action.terms:
-        sources = [layout.slot(wire.source, view) for wire in action.wires]
+        sources = [memory.slot(wire.source, view) for wire in action.wires]
         yield memory.copy(sources, into or targets, _scales(action.wires, weight * share), op.ADD)

@@ -6,20 +6,16 @@ that the wires have brought; the solver (`fixed_point`) makes the next assumptio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler import operations as op
 from harness.compiler.step import compile_step
-from harness.fmi.description.model_description import REAL_TYPES, ModelDescription
+from harness.fmi.description.model_description import REAL_TYPES
 from harness.master.algorithms.fixed_point import first_sizes, fixed_point_block
 from harness.master.plan.actions import Iterate
-from harness.system.graph import System
+from harness.system.graph import Descriptions, System
 from harness.system.lowering import Wire
-
-Descriptions = Mapping[str, ModelDescription]
 
 
 class Iteration:

@@ -7,53 +7,14 @@ Python hold what they are wired to.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
 
-from harness.fmi.description.model_description import ModelDescription
 from harness.master.plan.actions import Keep, Read, flat
 from harness.master.plan.planner import Plan
-from harness.participants.access import access, elements
-from harness.participants.memory import Cell, View, cell_of
-from harness.system.graph import Endpoint, PythonComponent
+from harness.participants.access import access, whole
+from harness.participants.memory import Cell, Layout, View, cell_of
+from harness.system.graph import Descriptions, Endpoint, PythonComponent
 from harness.system.lowering import LoweredSystem
-
-Descriptions = Mapping[str, ModelDescription]
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Slots by port: those of the present, and those of FMU outputs in another view; what they
-    hold, where that is no real number."""
-
-    slots: Mapping[Endpoint, int]
-    views: Mapping[tuple[View, Endpoint], int]
-    cells: Mapping[Endpoint, Cell]
-    size: int
-
-    def slot(self, end: Endpoint, view: View = "present") -> int:
-        """The slot of a port in a view, of its present value where it has none in that view."""
-        return self.views.get((view, end), self.slots[end])
-
-    def cell(self, end: Endpoint) -> Cell:
-        """What the slots of a port hold."""
-        return self.cells.get(end, "real")
-
-    def places(self) -> Iterator[tuple[Endpoint, int]]:
-        """All slots with their ports."""
-        yield from self.slots.items()
-        yield from ((end, place) for (_, end), place in self.views.items())
-
-
-def whole(ends: Iterable[Endpoint], descriptions: Descriptions) -> list[Endpoint]:
-    """The ports of FMUs, with all elements of an array for any of them, each once, in order."""
-    return list(
-        dict.fromkeys(
-            one
-            for end in ends
-            for one in elements(descriptions[end.component], end.component, [end.variable])
-        )
-    )
 
 
 def cells_of(lowered: LoweredSystem, descriptions: Descriptions) -> dict[Endpoint, Cell]:
@@ -114,4 +75,4 @@ def make_layout(plan: Plan, descriptions: Descriptions) -> Layout:
         cell = "real" if d is None else cell_of(d.port(end.variable), d.fmi_major)
         if cell != "real":
             cells[end] = cell
-    return Layout(slots, views, cells, len(slots) + len(views))
+    return Layout(slots, views, cells)

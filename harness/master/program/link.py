@@ -5,8 +5,8 @@ All memory to which the program holds addresses belongs to the `Program` and liv
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,20 +14,16 @@ from numpy.typing import NDArray
 
 from harness.clock import to_seconds
 from harness.compiler import operations as op
-from harness.fmi.description.model_description import INTEGER_TYPES, ModelDescription
+from harness.fmi.description.model_description import INTEGER_TYPES
 from harness.master.plan.actions import (
     Action,
     Blend,
-    Compute,
     Instant,
     Iterate,
     Keep,
-    Linearise,
+    ParticipantAction,
     Read,
     Record,
-    Restore,
-    Sample,
-    Save,
     Slope,
     Step,
     Transfer,
@@ -38,43 +34,41 @@ from harness.master.plan.actions import (
 from harness.master.plan.planner import Plan
 from harness.master.program.copying import keep, transfer, weigh
 from harness.master.program.iteration import Iteration
-from harness.master.program.layout import Layout, make_layout, whole
+from harness.master.program.layout import make_layout
 from harness.master.program.start_values import start_values
+from harness.participants.access import whole
 from harness.participants.block import BlockParticipant
 from harness.participants.fmu import FmuParticipant
 from harness.participants.memory import Cell, Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import Endpoint, SignalComponent
+from harness.system.graph import Descriptions, Endpoint, SignalComponent
 
 _LARGEST_CELL = 8  # bytes of a C number, for each port that is read or written
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Program:
     """A linked plan: what `loop.run_cycles` takes, and whose operation each row is.
 
     `initial` is the one instant that propagates values during initialisation, `instants` are
     those of a cycle, `tail` those after the last one; instants that share their actions share their
     rows. `events` has, by name of an FMU, the instant that records a row at one of its events, and
-    the slots of that row. `owners[i]` is the action
-    behind row i of `code`.
+    the slots of that row. `owners[i]` is the action behind row i of `code`.
     """
 
     plan: Plan
-    layout: Layout
     memory: Memory
     participants: Mapping[str, Participant]
+    code: NDArray[np.int64]
+    owners: Sequence[Action]
     recorded: NDArray[np.int64]
-    code: NDArray[np.int64] = field(init=False)
-    instants: NDArray[np.int64] = field(init=False)
-    initial: NDArray[np.int64] = field(init=False)
-    tail: NDArray[np.int64] = field(init=False)
-    events: dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]] = field(default_factory=dict)
-    copies: NDArray[np.int64] = field(init=False)
-    scales: NDArray[np.float64] = field(init=False)
-    owners: list[Action] = field(default_factory=list)
-    signals: list[SignalComponent] = field(default_factory=list)
-    iterations: dict[Iterate, Iteration] = field(default_factory=dict)
+    initial: NDArray[np.int64]
+    instants: NDArray[np.int64]
+    tail: NDArray[np.int64]
+    events: Mapping[str, tuple[NDArray[np.int64], NDArray[np.int64]]]
+    copies: NDArray[np.int64]
+    scales: NDArray[np.float64]
+    iterations: Mapping[Iterate, Iteration]
 
     @property
     def v(self) -> NDArray[np.float64]:
@@ -92,6 +86,11 @@ class Program:
         return {n: p for n, p in self.participants.items() if isinstance(p, FmuParticipant)}
 
     @property
+    def signals(self) -> list[SignalComponent]:
+        """The signals, in the order of their numbers."""
+        return [c for c in self.plan.lowered.sampled if isinstance(c, SignalComponent)]
+
+    @property
     def states(self) -> dict[str, NDArray[np.float64]]:
         """The live states of the blocks by name."""
         blocks = self.participants.items()
@@ -101,7 +100,7 @@ class Program:
 def link(
     plan: Plan,
     participants: Mapping[str, Participant],
-    descriptions: Mapping[str, ModelDescription],
+    descriptions: Descriptions,
     clock: NDArray[np.int64],
 ) -> Program:
     """Bind `plan` to live participants; raises `FmuError` or `CompileError`.
@@ -116,65 +115,61 @@ class _Linker:
         self,
         plan: Plan,
         participants: Mapping[str, Participant],
-        descriptions: Mapping[str, ModelDescription],
+        descriptions: Descriptions,
         clock: NDArray[np.int64],
     ) -> None:
         self.plan, self.participants, self.descriptions = plan, participants, descriptions
-        self.layout = make_layout(plan, descriptions)
         distinct = set(flat(plan.actions))
         room = sum(map(self._ports, distinct))
         solving = sum(1 + 2 * len(a.wires) for a in distinct if isinstance(a, (Iterate, Slope)))
-        slots = self.layout.size + solving + sum(map(self._negated, distinct))
         self.memory = Memory(
-            slots, _LARGEST_CELL * (1 + room), clock, self.layout.slot, self.layout.cell
-        )
-        self.memory.scratch(self.layout.size)
-        recorded = [self.layout.slots[end] for end in plan.recorded]
-        self.program = Program(
-            plan, self.layout, self.memory, participants, np.array(recorded, dtype=np.int64)
-        )
+            make_layout(plan, descriptions), clock, solving + sum(map(self._negated, distinct)),
+            _LARGEST_CELL * (1 + room),
+        )  # fmt: skip
+        self.iterations: dict[Iterate, Iteration] = {}
         self.shared: dict[Action, list[tuple[Row, Action]]] = {}
 
     def link(self) -> Program:
-        program = self.program
+        plan, memory = self.plan, self.memory
         for participant in self.participants.values():
-            participant.link(self.memory, self.participants)
-        for component in self.plan.lowered.sampled:
-            if isinstance(component, SignalComponent):
-                program.signals.append(component)
-        for end, value in start_values(self.plan, self.descriptions).items():
-            self.memory.store(end, _fitting(value, self.layout.cell(end)))
-        rows: list[Row] = []
+            participant.link(memory, self.participants)
+        for end, value in start_values(plan, self.descriptions).items():
+            memory.store(end, _fitting(value, memory.cell(end)))
+        rows: list[tuple[Row, Action]] = []
         spans: dict[int, tuple[int, int]] = {}
-        plan = self.plan
         tail = [instant.actions for instant in plan.tail]
         for actions in (plan.initial, *plan.patterns, *plan.events.values(), *tail):
             first = len(rows)
             for action in actions:
-                for row, owner in self.operations(action):
-                    rows.append(row)
-                    program.owners.append(owner)
+                rows += self.operations(action)
             spans[id(actions)] = (first, len(rows))
-        program.code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
-        for i, row in enumerate(rows):
-            program.code[i, : len(row)] = row
+        code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
+        for i, (row, _) in enumerate(rows):
+            code[i, : len(row)] = row
 
         def table(instants: Iterable[Instant]) -> NDArray[np.int64]:
             found = [(instant.offset_ns, *spans[id(instant.actions)]) for instant in instants]
             return np.array(found, dtype=np.int64).reshape(-1, 3)
 
-        program.initial = table([Instant(0, plan.initial)])
-        program.instants, program.tail = table(plan.instants), table(plan.tail)
-        for name, actions in plan.events.items():
-            read = {e for a in actions if isinstance(a, Read) for e in self._read(a)}
-            slots = [
-                self.layout.slot(end, "event" if end in read else "present")
-                for end in plan.recorded
-            ]
-            columns = np.array(slots, dtype=np.int64)
-            program.events[name] = table([Instant(0, actions)]), columns
-        program.copies, program.scales = self.memory.copies
-        return program
+        events = {
+            name: (table([Instant(0, actions)]), self._row_slots(actions))
+            for name, actions in plan.events.items()
+        }
+        return Program(
+            plan, memory, self.participants, code, [owner for _, owner in rows],
+            self._row_slots(()), table([Instant(0, plan.initial)]), table(plan.instants),
+            table(plan.tail), events, *memory.copies, self.iterations,
+        )  # fmt: skip
+
+    def _row_slots(self, actions: Iterable[Action]) -> NDArray[np.int64]:
+        """The slots of a row that is recorded after `actions` of an event have read outputs."""
+        reads = (action for action in actions if isinstance(action, Read))
+        read = {(action.component, name) for action in reads for name in action.outputs}
+        slots = [
+            self.memory.slot(end, "event" if (end.component, end.variable) in read else "present")
+            for end in self.plan.recorded
+        ]
+        return np.array(slots, dtype=np.int64)
 
     def operations(self, action: Action) -> list[tuple[Row, Action]]:
         """The rows of an action and whose they are; equal actions share one set of memory."""
@@ -188,48 +183,34 @@ class _Linker:
     def _operations(self, action: Action) -> Iterable[Row]:
         match action:
             case Transfer():
-                return transfer(self.memory, self.layout, action, self._stored)
+                return transfer(self.memory, action, self._stored)
+            case Slope():
+                return self._slope(action)
             case Blend():
-                return weigh(self.memory, self.layout, action)
+                return weigh(self.memory, action)
             case Keep():
-                return [keep(self.memory, self.layout, action)]
+                return [keep(self.memory, action)]
             case Record():
                 return [[op.RECORD]]
             case UnlessStop():
                 return [[op.UNLESS_STOP]]
-            case Iterate():
-                raise AssertionError("an iteration has rows of several actions")
-        mover = self.participants[action.component]
-        match action:
-            case Sample() | Compute() | Linearise():
-                return mover.compute()
-            case Read():
-                return mover.read(action.outputs, action.view)
-            case Write():
-                return mover.write(action.inputs)
-            case Step():
-                return mover.step(action.step_ns, action.final)
-            case Save():
-                return mover.save()
-            case Restore():
-                return mover.restore()
-            case Slope():
-                return self._slope(mover, action)
+            case ParticipantAction():
+                return action.rows(self.participants[action.component])
+        raise AssertionError(f"{action} has no rows")
 
-    def _slope(self, mover: Participant, action: Slope) -> Iterator[Row]:
+    def _slope(self, action: Slope) -> Iterator[Row]:
         slots = self.memory.scratch(len(action.wires))
-        per_second = 1.0 / to_seconds(action.step_ns)
-        yield from weigh(self.memory, self.layout, action, slots, per_second)
-        yield from mover.slopes([wire.target.variable for wire in action.wires], slots)
+        yield from weigh(self.memory, action, slots, 1.0 / to_seconds(action.step_ns))
+        inputs = [wire.target.variable for wire in action.wires]
+        yield from self.participants[action.component].slopes(inputs, slots)
 
     def _iterate(self, action: Iterate) -> Iterator[tuple[Row, Action]]:
-        memory, layout = self.memory, self.layout
-        system, n = self.plan.lowered.system, len(action.wires)
-        first = memory.scratch(1 + 2 * n)[0]
+        memory, system = self.memory, self.plan.lowered.system
+        first = memory.scratch(1 + 2 * len(action.wires))[0]
         iteration = Iteration(action, system, self.descriptions, first)
-        self.program.iterations[action] = iteration
-        inputs = [layout.slots[wire.target] for wire in action.wires]
-        outputs = [layout.slot(wire.source, action.view) for wire in action.wires]
+        self.iterations[action] = iteration
+        inputs = [memory.slot(wire.target) for wire in action.wires]
+        outputs = [memory.slot(wire.source, action.view) for wire in action.wires]
         scales = [(wire.factor, wire.offset) for wire in action.wires]
         yield memory.copy(inputs, iteration.assumed), action
         yield memory.copy(iteration.assumed, inputs), action
@@ -248,9 +229,6 @@ class _Linker:
         if kind in INTEGER_TYPES:
             return op.ROUND
         return {"Boolean": op.TRUTH, "Float32": op.SINGLE}.get(kind, op.EXACT)
-
-    def _read(self, action: Read) -> list[Endpoint]:
-        return [Endpoint(action.component, name) for name in action.outputs]
 
     def _ports(self, action: Action) -> int:
         """Room that an action may need in the exchange buffer, in cells."""

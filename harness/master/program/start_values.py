@@ -18,7 +18,7 @@ from harness.fmi.binding.values import parse_value
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.start_values import judge_start_values
 from harness.master.plan.planner import Plan
-from harness.master.program.layout import whole
+from harness.participants.access import whole
 from harness.system.check import TEXT_TYPES, inputs_of
 from harness.system.graph import (
     BlockComponent,
