@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler import operations as op
+from harness.participants.fmu import Told
 
 if TYPE_CHECKING:
     from harness.master.program.link import Program
@@ -29,8 +30,7 @@ class Host:
 
     def __init__(self) -> None:
         self.clock: NDArray[np.int64] = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
-        self.told: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]] | tuple[()]
-        self.told = ()
+        self.told = Told()
         self._times: Times = np.empty(0)
         self._rows: Rows = np.empty((0, 0))
 

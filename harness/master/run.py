@@ -36,7 +36,6 @@ from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
 from harness.participants.participant import Participant
-from harness.participants.signal import SignalParticipant
 from harness.system.check import check
 from harness.system.graph import Endpoint, System
 from harness.system.lowering import DelayComponent, expand_arrays, lower
@@ -100,7 +99,7 @@ def execute(
     system = plan.lowered.system
     verbose = echo is not None if logging is None else logging
     host = host or hosts.usual()
-    around = Around(verbose, echo, system.ticks_per_second, *host.told)
+    around = Around(verbose, echo, system.ticks_per_second, host.told)
     run = _Run(plan, fmus, recorder, host, around)
     fault: HarnessError | None = None
     with ExitStack() as stack:
@@ -148,11 +147,7 @@ class _Run:
             stack.callback(made.close)
             self.participants[c.name] = made
         for component in self.plan.lowered.sampled:
-            self.participants[component.name] = sampled(component, self._signals)
-
-    @property
-    def _signals(self) -> int:
-        return sum(isinstance(p, SignalParticipant) for p in self.participants.values())
+            self.participants[component.name] = sampled(component)
 
     def initialise(self) -> None:
         """Set what is there at the start, pass it on, and end initialisation."""

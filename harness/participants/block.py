@@ -8,7 +8,7 @@ from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import BlockComponent, Endpoint
+from harness.system.graph import BlockComponent
 
 
 class BlockParticipant(Participant):
@@ -25,11 +25,8 @@ class BlockParticipant(Participant):
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Find where inputs and outputs lie."""
         super().link(memory, participants)
-        self._u = self._first([s.name for s in self.component.inputs])
-        self._y = self._first([s.name for s in self.component.outputs])
-
-    def _first(self, names: list[str]) -> int:
-        return self.memory.slot(Endpoint(self.name, names[0]), "present") if names else 0
+        ends = self.component.inputs, self.component.outputs
+        self._u, self._y = (self.slot(signals[0].name) if signals else 0 for signals in ends)
 
     def compute(self) -> Iterator[Row]:
         """Step, and look whether what comes out is finite."""

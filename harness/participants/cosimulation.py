@@ -9,7 +9,6 @@ steps of any size, and both sides of an event become rows.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -26,11 +25,9 @@ from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
 from harness.participants.fmu import FmuParticipant
 from harness.participants.grid import is_close
-from harness.participants.memory import Memory, Row
-from harness.participants.participant import Participant
+from harness.participants.memory import Row
 from harness.system.graph import Endpoint
 
-_FAILED = 3
 _MOST_EVENTS_AT_ONCE = 1000
 _NO_TICKS = "the FMU's clocks never tick: co-simulation is done without event mode"
 
@@ -85,13 +82,6 @@ class CoSimulation(DrivenParticipant):
         self._clock_inputs: dict[str, int] = {}
         self._resume_at: float | None = None
 
-    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
-        """Bind the callbacks."""
-        super().link(memory, participants)
-        d, p = ctypes.c_double, ctypes.c_int64
-        self._advancing = ctypes.CFUNCTYPE(ctypes.c_int, p, d, d)(self._call)
-        self._writing = ctypes.CFUNCTYPE(ctypes.c_int)(self._begin_write)
-
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode."""
         super().leave_initialization(time)
@@ -105,21 +95,19 @@ class CoSimulation(DrivenParticipant):
         if not self.event_mode:
             yield from super().write(inputs)
             return
-        d, slot = self.description, self.memory.slot
+        d = self.description
         rest: tuple[list[str], list[str]] = ([], [])
         for name in inputs:
             v = d.variable(d.owner(name))
-            at = slot(Endpoint(self.name, name), "present")
             if v.type == "Clock":
-                self._clock_inputs[name] = at
+                self._clock_inputs[name] = self.slot(name)
                 continue
             steady = v.variability == "continuous"
             rest[0 if steady else 1].append(name)
-            for one in d.whole(name):
-                place = slot(Endpoint(self.name, one), "present")
+            for place in map(self.slot, d.whole(name)):
                 self._given.setdefault(place, -1)
                 self._continuous[place] = steady
-        yield [op.CALL_4, ctypes.cast(self._writing, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
+        yield self.calling(self._begin_write)
         for names, flag in zip(rest, (0, 8), strict=True):
             rows = list(super().write(names))
             yield [op.SKIP, int(self._flags.ctypes.data) + flag, len(rows)]
@@ -128,8 +116,7 @@ class CoSimulation(DrivenParticipant):
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """One doStep, or what does more."""
         if not self._direct:
-            address = ctypes.cast(self._advancing, ctypes.c_void_p).value or 0
-            yield [op.STEP_CALL, address, 0, ticks]
+            yield self.stepping(self._step, ticks)
             return
         head = [self.instance.address("DoStep"), self.instance.handle or 0, ticks]
         if self.instance.prefix != "fmi3":
@@ -160,24 +147,11 @@ class CoSimulation(DrivenParticipant):
 
     # steps in Python
 
-    def _call(self, unused: int, start: float, target: float) -> int:
-        try:
-            if self._room[0] < int(self.memory.clock[op.ROWS]) + 2:
-                return FULL
-            begin, self._resume_at = self._resume_at, None
-            return self._to(start if begin is None else begin, target)
-        except EndRequestedError as fault:
-            self.fault = fault
-            return ENDED
-        except BaseException as fault:
-            self.fault = fault
-            return _FAILED
-
     def advance(self, start: float, target: float) -> None:
         """The same step outside the loop; raises `HarnessError`."""
         if self._stepper is None:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, False)
-        self._to(start, target)
+        self._step(0, start, target)
 
     def give(self, values: Mapping[str, Any]) -> None:
         """Set inputs at a communication point: discrete ones in an event, where there is one."""
@@ -199,15 +173,17 @@ class CoSimulation(DrivenParticipant):
         self._resume_at = None
         self._given = dict.fromkeys(self._given, -1)
 
-    def _to(self, time: float, target: float) -> int:
+    def _step(self, unused: int, start: float, target: float) -> int:
+        time = start if self._resume_at is None else self._resume_at
+        self._resume_at = None
         self.hook.forget_ticks()
-        if self._in_event:
-            self._handle(time)
         while time < target:
-            time = self._part(time, target)
-            if self._room[0] < int(self.memory.clock[op.ROWS]) + 2 and time < target:
+            if self._room[0] < int(self.memory.clock[op.ROWS]) + 2:
                 self._resume_at = time
                 return FULL
+            if self._in_event:
+                self._handle(time)
+            time = self._part(time, target)
         return 0
 
     def _part(self, time: float, target: float) -> float:
@@ -263,8 +239,7 @@ class CoSimulation(DrivenParticipant):
                 f"component {self.name}: {self.words(x.CHATTERING, 0, f't = {time:.9g} s')}"
             )
         self.hook.begin_event(time)
-        settle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double)
-        status = settle(self._settle.address)(self.context.address, time)
+        status = self._settle(self.context.address, time)
         if status == ENDED:
             self.hook.observe(time)
         self.check(status)
@@ -289,26 +264,21 @@ class CoSimulation(DrivenParticipant):
             f"{self.instance.log.reasons()}"
         )
 
-    def _begin_write(self) -> int:
+    def _begin_write(self) -> None:
         """Which inputs have changed since they were set; discrete ones and clocks need an event."""
-        try:
-            wide, continuous = self.memory.wide, self._continuous
-            self._flags[:] = 0
-            for place, before in self._given.items():
-                now = int(wide[place])
-                if now != before:
-                    self._given[place] = now
-                    self._flags[0 if continuous[place] else 1] = 1
-            ticking = [n for n, at in self._clock_inputs.items() if self.memory.v[at] != 0.0]
-            self.hook.triggered = tuple(ticking)
-            started = self.context.cells[x.UPDATE] != 0
-            if (self._flags[1] or ticking) and started and not self._in_event:
-                self.instance.enter_event_mode()
-                self._in_event = True
-        except BaseException as fault:
-            self.fault = fault
-            return _FAILED
-        return 0
+        wide, continuous = self.memory.wide, self._continuous
+        self._flags[:] = 0
+        for place, before in self._given.items():
+            now = int(wide[place])
+            if now != before:
+                self._given[place] = now
+                self._flags[0 if continuous[place] else 1] = 1
+        ticking = [n for n, at in self._clock_inputs.items() if self.memory.v[at] != 0.0]
+        self.hook.triggered = tuple(ticking)
+        started = self.context.cells[x.UPDATE] != 0
+        if (self._flags[1] or ticking) and started and not self._in_event:
+            self.instance.enter_event_mode()
+            self._in_event = True
 
     def close(self) -> None:
         """Give the snapshot of divided steps back, too."""

@@ -3,15 +3,14 @@ the hook into Python, and the words for what fails there."""
 
 from __future__ import annotations
 
-import ctypes
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
+from ctypes import c_double, c_int64
 from typing import Any
 
 import numpy as np
 
-from harness.clock import NANOSECONDS
 from harness.compiler import operations as op
 from harness.errors import EndRequestedError, FmuError, SimulationError
 from harness.fmi.binding.instance import FATAL
@@ -19,7 +18,7 @@ from harness.fmi.binding.values import flat, parse_value
 from harness.participants import context as x
 from harness.participants.clocks import Clocks
 from harness.participants.context import Context
-from harness.participants.events import settle_entry
+from harness.participants.events import ENDED, settle_entry
 from harness.participants.fmu import FmuParticipant, Observer
 from harness.participants.hook import EventHook
 from harness.participants.memory import Memory, Row
@@ -62,18 +61,13 @@ class DrivenParticipant(FmuParticipant):
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU, with the inputs that are functions of time as they are at the start."""
         self._stop = math.inf if stop is None else stop
-        self.context = Context()
-        self._settle = settle_entry()
-        self.context.array(x.INFO, np.zeros(16, dtype=np.int64))
-        for place in (x.REACHED, x.STOP_ASKED, x.ROWS, x.FUNCTION):
-            self.context.array(place, np.zeros(1, dtype=np.int64))
-        if self.around.function is not None:
-            self.context.cells[x.FUNCTION] = self.around.function.ctypes.data
+        self.context, told = Context(), self.around.told
+        self._settle = settle_entry().ctypes
         self._room = self.context.array(x.ROOM, np.full(1, 2**62))
-        if self.around.reached is not None:
-            self.context.cells[x.REACHED] = self.around.reached.ctypes.data
-        if self.around.stop_asked is not None:
-            self.context.cells[x.STOP_ASKED] = self.around.stop_asked.ctypes.data
+        self.context.array(x.INFO, np.zeros(16, dtype=np.int64))
+        self.context.array(x.REACHED, told.reached)
+        self.context.array(x.STOP_ASKED, told.stop_asked)
+        self.context.array(x.FUNCTION, told.function)
         self.set_start_values()
         self.inputs = read_inputs(self.instance.description, self.component.inputs, self.notes)
         self.clocks = Clocks(self.instance, start, self.inputs.clocks, self.notes)
@@ -98,8 +92,7 @@ class DrivenParticipant(FmuParticipant):
         self.clocks.begin()
         self.fill_events()
         if self.first_event():
-            settle = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double)
-            self.check(settle(self._settle.address)(self.context.address, time))
+            self.check(self._settle(self.context.address, time))
         self.hook.segment = time
         self.plan_ahead(self.hook.next_event(time), self.inputs.next_kink(time))
 
@@ -153,42 +146,43 @@ class DrivenParticipant(FmuParticipant):
     @property
     def seconds(self) -> float:
         """The communication step (s)."""
-        return self.component.step_ns / (self.around.ticks_per_second or NANOSECONDS)
+        return self.component.step_ns / self.around.ticks_per_second
 
     # snapshots
 
     def save(self) -> Iterator[Row]:
         """Get the FMU state, and remember what the importer knows."""
         yield from super().save()
-        yield self.calling(self.remember)
+        yield self.calling(self._remember)
 
     def restore(self) -> Iterator[Row]:
         """Set the FMU state; inputs will be set anew."""
         yield from super().restore()
-        yield self.calling(self.return_to_snapshot)
+        yield self.calling(lambda: self.recall(self._snapshot))
 
-    def remember(self) -> None:
-        """Remember with the snapshot what the FMU does not."""
-        self._importer_state = self.remembered()
-
-    def return_to_snapshot(self) -> None:
-        """Go on from the snapshot."""
-        self.recall(self._importer_state)
+    def _remember(self) -> None:
+        self._snapshot = self.remembered()
 
     def calling(self, function: Callable[[], None]) -> Row:
-        """A row that calls Python; a fault is remembered."""
+        """A row that calls Python."""
+        return [op.CALL_4, self.callback(function), 0, 0, 0, 0]
 
-        def call() -> int:
+    def stepping(self, function: Callable[[int, float, float], int], ticks: int) -> Row:
+        """A row that lets Python step by so many ticks: `function` of 0, start and end (s)."""
+        return [op.STEP_CALL, self.callback(function, c_int64, c_double, c_double), 0, ticks]
+
+    def callback(self, function: Callable[..., int | None], *types: Any) -> int:
+        """The address of a C function that calls Python; a fault is remembered, and its status
+        ends the run."""
+
+        def call(*arguments: Any) -> int:
             try:
-                function()
+                return function(*arguments) or 0
             except BaseException as fault:
                 self.fault = fault
-                return x.FAULT
-            return 0
+                return ENDED if isinstance(fault, EndRequestedError) else x.FAULT
 
-        made = ctypes.CFUNCTYPE(ctypes.c_int)(call)
-        self.memory.lives.append(made)
-        return [op.CALL_4, ctypes.cast(made, ctypes.c_void_p).value or 0, 0, 0, 0, 0]
+        return self.memory.function(call, *types)
 
     # outside of the loop
 

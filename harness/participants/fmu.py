@@ -6,12 +6,13 @@ from __future__ import annotations
 import ctypes
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.clock import NANOSECONDS
 from harness.compiler import operations as op
 from harness.errors import FmuError
 from harness.fmi.binding.instance import FmuInstance
@@ -30,18 +31,25 @@ Observer = Callable[[float], None]
 _KINDS: dict[InterfaceType, type[FmuParticipant]] = {}
 
 
+@dataclass(frozen=True, eq=False)
+class Told:
+    """Where long steps tell the time that they have `reached` (s), look whether to end, and tell
+    which function is under way; shape (1,) each."""
+
+    reached: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    stop_asked: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+    function: NDArray[np.int64] = field(default_factory=lambda: np.zeros(1, np.int64))
+
+
 @dataclass(frozen=True)
 class Around:
     """What a run gives to its FMUs: whether and where they log, the number of ticks in a second,
-    where to tell the time inside of long steps (s, shape (1,)), where to look whether to end them,
-    and where to tell which call is under way (shape (1,) each)."""
+    and what goes on inside of long steps."""
 
     logging: bool = False
     echo: Callable[[str, LogMessage], None] | None = None
-    ticks_per_second: int = 1_000_000_000
-    reached: NDArray[np.float64] | None = None
-    stop_asked: NDArray[np.int64] | None = None
-    function: NDArray[np.int64] | None = None
+    ticks_per_second: int = NANOSECONDS
+    told: Told = field(default_factory=Told)
 
 
 class FmuParticipant(Participant):

@@ -17,23 +17,23 @@ from harness.system.graph import (
     BlockComponent,
     PythonComponent,
     SampledComponent,
+    SensitivityComponent,
     SignalComponent,
 )
 
 
-def sampled(component: SampledComponent, signals: int) -> Participant:
-    """The participant for what is no FMU; there are so many `signals` before it.
-
-    Raises `CompileError` for a block that cannot be compiled.
-    """
+def sampled(component: SampledComponent) -> Participant:
+    """The participant for what is no FMU; raises `CompileError` for a block that cannot be
+    compiled."""
     match component:
         case BlockComponent():
             return BlockParticipant(component)
         case PythonComponent():
             return PythonParticipant(component)
         case SignalComponent():
-            return SignalParticipant(component, signals)
-    return SensitivityParticipant(component)
+            return SignalParticipant(component)
+        case SensitivityComponent():
+            return SensitivityParticipant(component)
 
 
 def load_kernels(*, exchange: bool) -> None:

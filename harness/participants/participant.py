@@ -26,6 +26,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from harness.participants.memory import Memory, Row, View
+from harness.system.graph import Endpoint
 
 
 class Participant:
@@ -46,6 +47,10 @@ class Participant:
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Take the memory of the program; `participants` are all of the system."""
         self.memory = memory
+
+    def slot(self, name: str) -> int:
+        """Where the present value of an input or output lies."""
+        return self.memory.slot(Endpoint(self.name, name))
 
     def leave_initialization(self, time: float) -> None:
         """End initialisation at `time` (s); steps may follow."""

@@ -9,8 +9,7 @@ and binaries as str and bytes.
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from numpy.typing import NDArray
@@ -18,12 +17,11 @@ from numpy.typing import NDArray
 from harness.clock import NANOSECONDS
 from harness.compiler import operations as op
 from harness.compiler.operations import INSTANT
+from harness.participants.context import FAULT
 from harness.participants.memory import Cell, Memory, Row, loaded, raw
 from harness.participants.participant import Participant
+from harness.system.block import BlockSignal
 from harness.system.graph import Endpoint, PythonComponent
-
-_PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_int)
-_FAILED = 3
 
 
 class PythonParticipant(Participant):
@@ -35,27 +33,26 @@ class PythonParticipant(Participant):
         self.component = component
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
-        """Make the callback, C callable as `int32 f(void)`."""
+        """Find where inputs and outputs lie."""
         super().link(memory, participants)
-        self._inputs = self._places([s.name for s in self.component.inputs])
-        self._outputs = self._places([s.name for s in self.component.outputs])
-        self._function = _PROTOTYPE(self._wrap())
+        self._inputs = self._places(self.component.inputs)
+        self._outputs = self._places(self.component.outputs)
 
-    def _places(self, names: list[str]) -> list[tuple[int, Cell]]:
-        ends = [Endpoint(self.name, name) for name in names]
-        return [(self.memory.slot(end, "present"), self.memory.cell(end)) for end in ends]
+    def _places(self, signals: Sequence[BlockSignal]) -> list[tuple[int, Cell]]:
+        ends = [Endpoint(self.name, signal.name) for signal in signals]
+        return [(self.memory.slot(end), self.memory.cell(end)) for end in ends]
 
     def compute(self) -> Iterator[Row]:
         """Call it, and look whether what it gave is finite."""
-        address = ctypes.cast(self._function, ctypes.c_void_p).value or 0
-        yield [op.CALL_4, address, 0, 0, 0, 0]
+        yield [op.CALL_4, self.memory.function(self._wrap()), 0, 0, 0, 0]
         reals = [slot for slot, cell in self._outputs if cell == "real"]
         if reals and len(reals) == len(self._outputs):
             yield [op.CHECK, reals[0], reals[-1] + 1]
         else:
             yield from ([op.CHECK, slot, slot + 1] for slot in reals)
 
-    def _wrap(self) -> Any:
+    def _wrap(self) -> Callable[[], int]:
+        """What C calls as `int32 f(void)`."""
         clock: Any = _view(self.memory.clock)
         evaluate = self._evaluation(self.component.function)
         store = self._storing()
@@ -65,7 +62,7 @@ class PythonParticipant(Participant):
                 store(evaluate(clock[INSTANT] / NANOSECONDS))
             except BaseException as fault:
                 self.fault = fault
-                return _FAILED
+                return FAULT
             return 0
 
         return call

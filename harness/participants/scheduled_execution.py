@@ -11,7 +11,6 @@ partition and held until the next time; ticks are rows, those at the end of a st
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -24,9 +23,7 @@ from harness.participants.events import FULL
 from harness.participants.fmu import FmuParticipant
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import Endpoint
 
-_FAILED = 3
 _MOST_AT_ONCE = 1000
 
 
@@ -43,19 +40,9 @@ class ScheduledExecution(DrivenParticipant):
         return instance
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
-        """Bind the callbacks."""
+        """No clock is wired yet."""
         super().link(memory, participants)
         self._triggers: dict[str, int] = {}
-        self._snapshot: tuple[dict[str, Any], float] = ({}, 0.0)
-        step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double, ctypes.c_double)
-        plain = ctypes.CFUNCTYPE(ctypes.c_int)
-        self._callbacks = {
-            "step": step(self._call), "look": plain(self._look), "save": plain(self._remember),
-            "restore": plain(self._return),
-        }  # fmt: skip
-
-    def _address(self, callback: str) -> int:
-        return ctypes.cast(self._callbacks[callback], ctypes.c_void_p).value or 0
 
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode, and activate what ticks at the start."""
@@ -75,60 +62,37 @@ class ScheduledExecution(DrivenParticipant):
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
         """Set inputs, and look which clocks are triggered."""
         clocks = [name for name in inputs if self.description.port(name).type == "Clock"]
-        for name in clocks:
-            self._triggers[name] = self.memory.slot(Endpoint(self.name, name), "present")
+        self._triggers |= {name: self.slot(name) for name in clocks}
         if clocks:
-            yield [op.CALL_4, self._address("look"), 0, 0, 0, 0]
+            yield self.calling(self._look)
         yield from super().write([name for name in inputs if name not in clocks])
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """Activate what ticks in that time."""
-        yield [op.STEP_CALL, self._address("step"), 0, ticks]
+        yield self.stepping(self._step, ticks)
 
-    def save(self) -> Iterator[Row]:
-        """Get the FMU state, and remember the ticks that are planned."""
-        yield from super().save()
-        yield [op.CALL_4, self._address("save"), 0, 0, 0, 0]
-
-    def restore(self) -> Iterator[Row]:
-        """Set the FMU state, and plan the ticks as they were."""
-        yield from super().restore()
-        yield [op.CALL_4, self._address("restore"), 0, 0, 0, 0]
-
-    def _remember(self) -> int:
-        self._snapshot = self.remembered(), self._last
-        return 0
-
-    def _return(self) -> int:
-        self.recall(self._snapshot[0])
-        self._last = self._snapshot[1]
-        return 0
+    def remembered(self) -> dict[str, Any]:
+        """What the importer must remember with a snapshot of the FMU."""
+        return super().remembered() | {"last tick": float(self._last)}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from; inputs are set anew."""
         super().recall(memory)
+        self._last = memory["last tick"]
         self.inputs.forget()
 
     # steps
 
-    def _look(self) -> int:
+    def _look(self) -> None:
         v = self.memory.v
         self.hook.triggered = tuple(n for n, at in self._triggers.items() if v[at] != 0.0)
-        return 0
-
-    def _call(self, unused: int, start: float, target: float) -> int:
-        try:
-            return self._to(start, target)
-        except BaseException as fault:
-            self.fault = fault
-            return _FAILED
 
     def advance(self, start: float, target: float) -> None:
         """The same step outside the loop; raises `HarnessError`."""
         self._last = start
-        self._to(start, target)
+        self._step(0, start, target)
 
-    def _to(self, start: float, target: float) -> int:
+    def _step(self, unused: int, start: float, target: float) -> int:
         """Go on behind the last tick; a step that is taken up again has been there already."""
         self.hook.forget_ticks()
         if self._full:

@@ -27,7 +27,7 @@ from harness.participants.fmu import FmuParticipant
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
 from harness.system.block import Array, KernelBlock, Port
-from harness.system.graph import Endpoint, SensitivityComponent
+from harness.system.graph import SensitivityComponent
 
 _TERMS = 14  # Taylor terms; with a norm below 1/2 the remainder is below 1e-16
 
@@ -76,25 +76,25 @@ def exponential(matrix: Array, power: Array, total: Array, halvings: int) -> Non
         for j in range(m):
             total[i, j] = 0.0
     for term in range(_TERMS, 0, -1):
-        for i in range(m):
-            for j in range(m):
-                value = matrix[i, j]
-                for k in range(m):
-                    value += matrix[i, k] * total[k, j]
-                power[i, j] = value / term
-        for i in range(m):
-            for j in range(m):
-                total[i, j] = power[i, j]
+        _extend(matrix, 1.0, matrix, total, float(term), power)
     for _ in range(halvings):
-        for i in range(m):
-            for j in range(m):
-                value = 2.0 * total[i, j]
-                for k in range(m):
-                    value += total[i, k] * total[k, j]
-                power[i, j] = value
-        for i in range(m):
-            for j in range(m):
-                total[i, j] = power[i, j]
+        _extend(total, 2.0, total, total, 1.0, power)
+
+
+def _extend(
+    start: Array, weight: float, left: Array, total: Array, divisor: float, power: Array
+) -> None:
+    """total <- (weight * start + left total) / divisor, all (m, m); `power` is work space."""
+    m = total.shape[0]
+    for i in range(m):
+        for j in range(m):
+            value = weight * start[i, j]
+            for k in range(m):
+                value += left[i, k] * total[k, j]
+            power[i, j] = value / divisor
+    for i in range(m):
+        for j in range(m):
+            total[i, j] = power[i, j]
 
 
 class SensitivityParticipant(Participant):
@@ -144,5 +144,5 @@ class SensitivityParticipant(Participant):
             else:
                 yield [op.CALL_7, *head, column]
         p, x, u = (a.ctypes.data for a in (self._parameters, self._work, self._jacobian))
-        target = self.memory.slot(Endpoint(self.name, "value"), "present")
-        yield [op.CALL_5, *self._compiled.call(p, x, u, self.memory.address(target))]
+        y = self.memory.address(self.slot("value"))
+        yield [op.CALL_5, *self._compiled.call(p, x, u, y)]

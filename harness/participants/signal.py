@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from harness.compiler import operations as op
-from harness.participants.memory import Row
+from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import Endpoint, SignalComponent
+from harness.system.graph import SignalComponent
 
 
 class SignalParticipant(Participant):
-    """A signal source, the `number`-th of its program."""
+    """A signal source; `number` is its place among those of its program."""
 
-    def __init__(self, component: SignalComponent, number: int) -> None:
-        """The samples lie in the order of the numbers."""
+    def __init__(self, component: SignalComponent) -> None:
+        """Takes no sample yet."""
         super().__init__(component.name)
-        self.component, self.number = component, number
+
+    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
+        """The samples lie in the order of the numbers."""
+        super().link(memory, participants)
+        signals = [p for p in participants.values() if isinstance(p, SignalParticipant)]
+        self.number = signals.index(self)
 
     def compute(self) -> Iterator[Row]:
         """Take the next sample."""
-        slot = self.memory.slot(Endpoint(self.name, "value"), "present")
-        yield [op.SAMPLE, self.number, slot]
+        yield [op.SAMPLE, self.number, self.slot("value")]

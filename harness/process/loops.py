@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from harness.master.host import Host
 from harness.master.program.link import Program
+from harness.participants.fmu import Told
 from harness.process.marker import Marker
 from harness.process.messages import Linked
 
@@ -17,7 +18,7 @@ class VisibleHost(Host):
     def __init__(self, marker: Marker, send: Callable[[Linked], None] | None = None) -> None:
         """The clock begins anew."""
         super().__init__()
-        self.clock, self.told = marker.clock, (marker.time, marker.stop, marker.function)
+        self.clock, self.told = marker.clock, Told(marker.time, marker.stop, marker.function)
         self.clock[:] = 0
         self._marker, self._send = marker, send
 

@@ -26,7 +26,6 @@ from harness.participants.memory import Row
 from harness.participants.model_exchange.cvode import Cvode
 from harness.participants.model_exchange.explicit import WORK_VECTORS
 from harness.participants.model_exchange.kernels import entries
-from harness.system.graph import Endpoint
 from harness.system.policy import SOLVER_TOLERANCE
 
 _METHODS = {"cvode": x.CVODE, "euler": x.EULER, "rk4": x.RK4, "dopri5": x.DOPRI5}
@@ -150,8 +149,8 @@ class ModelExchange(DrivenParticipant):
             yield self._trigger(ticking)
             inputs = [name for name in inputs if name not in ticking]
         rows = list(super().write(inputs))
-        ends = [Endpoint(self.name, n) for name in inputs for n in self.description.whole(name)]
-        slots = [self.memory.address(self.memory.slot(end, "present")) for end in ends]
+        ports = [port for name in inputs for port in self.description.whole(name)]
+        slots = [self.memory.address(self.slot(port)) for port in ports]
         places = self.memory.held(np.array(slots, dtype=np.int64))
         self._last.append(np.full(len(slots), -1, dtype=np.int64))
         last = self.memory.held(self._last[-1])
@@ -163,7 +162,7 @@ class ModelExchange(DrivenParticipant):
 
     def _trigger(self, names: Sequence[str]) -> Row:
         """Enter event mode where a wire to a clock carries true."""
-        slots = {name: self.memory.slot(Endpoint(self.name, name), "present") for name in names}
+        slots = {name: self.slot(name) for name in names}
 
         def trigger() -> None:
             cells, v = self.context.cells, self.memory.v
@@ -218,8 +217,7 @@ class ModelExchange(DrivenParticipant):
 
     def advance(self, start: float, target: float) -> None:
         """The same step outside the loop; raises `HarnessError`."""
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int64, ctypes.c_double, ctypes.c_double)
-        self.check(prototype(self._advance.address)(self.context.address, start, target))
+        self.check(self._advance.ctypes(self.context.address, start, target))
 
     def words(self, what: int, code: int, when: str) -> str:
         """What ended a step: the solver, or what any participant with events may meet."""
