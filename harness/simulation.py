@@ -76,8 +76,8 @@ def simulate(
         interface_type, start_time, stop_time, step_size, output_interval, relative_tolerance,
         solver,
     )  # fmt: skip
-    apart = not in_process and available()
-    if not apart and limits is not None and limits.isolate:
+    supervised = not in_process and available()
+    if not supervised and limits is not None and limits.isolate:
         raise UsageError("isolation needs a worker process of the run's own, on Linux")
     with ExitStack() as stack:
         opened = (
@@ -95,20 +95,19 @@ def simulate(
         given = start_values or {}
         judged = judge_start_values(d, given, component=d.name, validate=validate)
         read_inputs(d.configured(judged.structural), inputs, [])  # faults before anything is run
+        largest = settings.step_size if settings.interface_type == MODEL_EXCHANGE else None
         policy = Policy(
             interface_type=settings.interface_type, tolerance=settings.relative_tolerance,
-            solver=solver, largest_step=_largest_step(settings), event_mode=event_mode,
+            solver=solver, largest_step=largest, event_mode=event_mode,
             discarded_steps="divide", validate=validate, allow_not_finite=True,
         )  # fmt: skip
-        system = _system(opened.path, d, settings, policy, notes)
-        component = replace(system.fmus[0], start_values=given, inputs=inputs)
-        system = replace(system, components=(component,))
+        component = FmuComponent(d.name, opened.path, 1, given, policy, inputs)
+        system = _system(component, d, settings, notes)
         told = None if echo is None else (lambda _, message: echo(message))
-        common: dict[str, Any] = {
-            "progress": progress, "echo": told, "experiment": _experiment(settings)
-        }  # fmt: skip
+        stated = {key: value for key, value in vars(settings).items() if key != "notes"}
+        common: dict[str, Any] = {"progress": progress, "echo": told, "experiment": stated}
         try:
-            if apart:
+            if supervised:
                 result = run_supervised(system, record=chosen, limits=limits, **common)
             else:
                 with PreparedSystem(system, chosen) as prepared:
@@ -139,13 +138,7 @@ def _noted(result: Result, notes: Sequence[str]) -> Result:
     return replace(result, notes=(*notes, *result.manifest.notes))
 
 
-def _largest_step(settings: Settings) -> float | None:
-    return settings.step_size if settings.interface_type == MODEL_EXCHANGE else None
-
-
-def _system(
-    path: Path, d: ModelDescription, s: Settings, policy: Policy, notes: list[str]
-) -> System:
+def _system(component: FmuComponent, d: ModelDescription, s: Settings, notes: list[str]) -> System:
     """The system of one: communication points are those of the step, of the rows, of events."""
     step = s.output_interval if s.interface_type == MODEL_EXCHANGE else s.step_size
     assert step is not None
@@ -156,8 +149,8 @@ def _system(
         return round(exact(seconds) * whole)
 
     start, stop, step_ticks, record = map(ticks, (s.start_time, s.stop_time, step, interval))
-    fixed = s.interface_type == CO_SIMULATION and not _variable(d)
-    if fixed:  # rows are where steps end
+    can = d.co_simulation if s.interface_type == CO_SIMULATION else None
+    if can is not None and not can.can_handle_variable_step:  # rows are where steps end
         record = math.lcm(step_ticks, record)
         if (stop - start) % step_ticks:
             end = (start + (stop - start) // step_ticks * step_ticks) / whole
@@ -166,13 +159,9 @@ def _system(
                 "and the next one would pass the stop time"
             )
     return System(
-        (FmuComponent(d.name, path, step_ticks, {}, policy),), (), start, stop, record,
+        (replace(component, step_ns=step_ticks),), (), start, stop, record,
         ticks_per_second=whole, single=True,
     )  # fmt: skip
-
-
-def _variable(d: ModelDescription) -> bool:
-    return d.co_simulation is None or d.co_simulation.can_handle_variable_step
 
 
 def _ticks(s: Settings, step: float, interval: float) -> int:
@@ -183,12 +172,3 @@ def _ticks(s: Settings, step: float, interval: float) -> int:
     finer = math.lcm(whole, exact(s.stop_time).denominator)
     longest = max(abs(s.start_time), abs(s.stop_time), step, interval)
     return finer if finer * longest < _LARGEST and finer < _LARGEST else whole
-
-
-def _experiment(s: Settings) -> dict[str, Any]:
-    return {
-        "interface_type": s.interface_type, "start_time": s.start_time,
-        "stop_time": s.stop_time, "step_size": s.step_size,
-        "output_interval": s.output_interval, "relative_tolerance": s.relative_tolerance,
-        "solver": s.solver,
-    }  # fmt: skip

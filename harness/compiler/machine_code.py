@@ -42,7 +42,9 @@ def compiled(function: F) -> F:
 
 
 def cached_callback(function: Callable[..., Any], signature: Any, **options: Any) -> Any:
-    """The same for a C function of `signature`, compiled now or fetched."""
+    """The same for a C function of `signature`, compiled now or fetched; `function` may be
+    compiled itself."""
+    function = getattr(function, "py_func", function)
     made: Any = CFunc(function, normalize_signature(signature), locals={}, options=options)
     made._cache = _Cache(function)
     made.compile()

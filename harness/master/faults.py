@@ -47,7 +47,7 @@ def explain(program: Program, outcome: int) -> HarnessError:
     if mover is not None and fault is not None:
         return _own_fault(program, mover, fault, now, when)
     if isinstance(action, Linearise):
-        name = getattr(program.plan.lowered.component(name), "component", name)  # its FMU
+        name = getattr(program.plan.lowered.by_name[name], "component", name)  # its FMU
     instance = program.fmus[name].instance
     if status == FATAL:
         instance.mark_dead()
@@ -152,7 +152,7 @@ def _own_fault(
         raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
     if isinstance(fault, HarnessError) and not isinstance(mover, PythonParticipant):
         raise fault
-    rate = rate_of(program.plan.lowered.component(mover.name))
+    rate = rate_of(program.plan.lowered.by_name[mover.name])
     start = program.plan.lowered.system.start_ns
     tick = (now - start - rate.phase_ns) // rate.period_ns
     error = SimulationError(

@@ -10,7 +10,6 @@ interval never ticks, and a note says so.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -19,7 +18,7 @@ from harness.fmi.binding.fmi3 import Fmi3Instance
 from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import ModelDescription
 from harness.participants.grid import Grid, exact
-from harness.participants.tracks import Track
+from harness.participants.tracks import Track, first_after
 
 _PERIODIC = ("constant", "fixed", "tunable", "calculated")
 
@@ -55,22 +54,21 @@ class Clocks:
         for name, v in self.inputs.items():
             kind = v.details.interval_variability
             if kind in _PERIODIC:
-                stated = _seconds(v.details.interval)
+                stated = seconds(v.details.interval)
                 interval = self._ask(name) if stated is None else self._judged(name, stated)
                 if interval:
-                    first = exact(self.start) + (_seconds(v.details.shift) or 0)
+                    first = exact(self.start) + (seconds(v.details.shift) or 0)
                     self._grids[name] = Grid(first, interval)
                 else:
                     self.notes.append(f"clock {name!r} never ticks: its interval is not known")
             elif kind == "changing":
-                self._pending[name] = self.start + float(_seconds(v.details.shift) or 0)
+                self._pending[name] = self.start + float(seconds(v.details.shift) or 0)
 
     def _ask(self, name: str) -> Fraction | None:
-        if not isinstance(self.instance, Fmi3Instance):
+        fmu = self.instance
+        if not isinstance(fmu, Fmi3Instance) or not fmu.offers("GetIntervalDecimal"):
             return None
-        if not self.instance.offers("GetIntervalDecimal"):
-            return None
-        interval = self.instance.interval(name)
+        interval = fmu.interval(name)
         return None if interval is None else self._judged(name, exact(interval))
 
     def _judged(self, name: str, interval: Fraction) -> Fraction:
@@ -87,15 +85,13 @@ class Clocks:
         """The time (s) of the first tick later than `time`, or infinity."""
         ahead = [grid.after(time) for grid in self._grids.values()]
         ahead += [t for t in self._pending.values() if t > time]
-        for times in self._triggers.values():
-            i = bisect_right(times, time)
-            ahead += times[i : i + 1]
+        ahead += [first_after(times, time) for times in self._triggers.values()]
         return min(ahead, default=math.inf)
 
     def due(self, time: float) -> tuple[str, ...]:
         """The clocks that tick at `time`."""
-        found = [name for name, grid in self._grids.items() if grid.holds(time)]
-        found = [n for n in found if time >= float(self._grids[n].start)]
+        grids = self._grids.items()
+        found = [name for name, grid in grids if grid.holds(time) and time >= float(grid.start)]
         found += [name for name, at in self._pending.items() if at == time]
         found += [name for name, times in self._triggers.items() if time in times]
         return tuple(sorted(found, key=list(self.inputs).index))
@@ -130,7 +126,8 @@ class Clocks:
                     self._pending[name] = float(exact(time) + interval)
 
 
-def _seconds(duration: tuple[int, int] | float | None) -> Fraction | None:
+def seconds(duration: tuple[int, int] | float | None) -> Fraction | None:
+    """An interval or a shift as a file states it, (counter, resolution) or seconds, exactly."""
     if duration is None:
         return None
     if isinstance(duration, tuple):

@@ -39,13 +39,19 @@ def hook(c: int, what: int, time: float) -> int:
 
 
 @compiled
+def call(c: int, function: int, arguments: Any, what: int, time: float) -> int:
+    """Call a function of (instance, *arguments): 0, or the status with which it failed."""
+    mark(c, what)
+    status = call_status(get(c, function), (get(c, x.HANDLE), *arguments))
+    return failed(c, what, status, time) if status > 1 or status < 0 else 0
+
+
+@compiled
 def plain(c: int, function: int, what: int, time: float) -> int:
     """Call a function of the instance alone, where there is one."""
     if get(c, function) == 0:
         return 0
-    mark(c, what)
-    status = call_status(get(c, function), (get(c, x.HANDLE),))
-    return failed(c, what, status, time) if status > 1 or status < 0 else 0
+    return call(c, function, (), what, time)
 
 
 @compiled
@@ -53,18 +59,16 @@ def update(c: int, time: float) -> int:
     """One iteration of the discrete states; what it said lies in INFO: five int64 (iterate again,
     end, nominals changed, states changed, next time known), then the next time event (s)."""
     info = get(c, x.INFO)
-    raw, version, function = info + 48, get(c, x.VERSION), get(c, x.UPDATE)
-    mark(c, x.AT_UPDATE)
+    raw, version, what = info + 48, get(c, x.VERSION), x.AT_UPDATE
     if version == 3:
         r = raw + 8
-        flags = (get(c, x.HANDLE), r, r + 1, r + 2, r + 3, r + 4, raw)
-        status = call_status(function, flags)
+        status = call(c, x.UPDATE, (r, r + 1, r + 2, r + 3, r + 4, raw), what, time)
     elif version == 2:
-        status = call_status(function, (get(c, x.HANDLE), raw))
+        status = call(c, x.UPDATE, (raw,), what, time)
     else:
-        status = call_status(function, (get(c, x.HANDLE), 0, raw))
-    if status > 1 or status < 0:
-        return failed(c, x.AT_UPDATE, status, time)
+        status = call(c, x.UPDATE, (0, raw), what, time)
+    if status != 0:
+        return status
     for i in range(5):
         if version == 3:
             value = int(load_uint8(raw + 8 + i))
@@ -120,11 +124,7 @@ def full(c: int) -> bool:
     return load_int64(get(c, x.ROWS)) + 2 > load_int64(get(c, x.ROOM))
 
 
-def _settle(c: int, time: float) -> int:
-    return settle(c, time)
-
-
 @cache
 def settle_entry() -> Any:
     """The C function settle(context, time)."""
-    return cached_callback(_settle, types.int32(types.int64, types.float64))
+    return cached_callback(settle, types.int32(types.int64, types.float64))

@@ -101,7 +101,7 @@ class EventHook:
     def begin_event(self, time: float) -> None:
         """The FMU is in event mode: inputs are set, and clocks will tick anew."""
         self._ticking = None
-        self.inputs.apply(self.instance, time, after=True)
+        self.inputs.apply(self.instance, time)
 
     def tick(self, time: float) -> None:
         """Set the clocks that tick in this iteration, and read what depends on them."""

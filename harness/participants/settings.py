@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 from harness.errors import UsageError
 from harness.fmi.binding.interface import (
@@ -27,6 +26,7 @@ from harness.fmi.binding.interface import (
     capabilities,
 )
 from harness.fmi.description.model_description import ModelDescription
+from harness.participants.clocks import seconds
 from harness.participants.grid import exact
 from harness.system.policy import SOLVERS, interface
 
@@ -155,7 +155,7 @@ def derived(length: float) -> float:
 def fastest(d: ModelDescription) -> float | None:
     """The shortest interval (s) that the file states for an input clock, or None."""
     stated = [v.details.interval for v in d.variables.values() if v.causality == "input"]
-    found = [float(Fraction(*i) if isinstance(i, tuple) else i) for i in stated if i is not None]
+    found = [float(interval) for interval in map(seconds, stated) if interval]
     return min((interval for interval in found if interval > 0.0), default=None)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,6 +80,12 @@ class Track:
         return set(self.times) if self.continuous and len(self.times) > 1 else set()
 
 
+def first_after(times: Sequence[float], time: float) -> float:
+    """The first of some ascending times that is later than `time`, or infinity."""
+    i = bisect_right(times, time)
+    return times[i] if i < len(times) else math.inf
+
+
 class Inputs:
     """All tracks of a simulation; `next_event` and `next_kink` look ahead."""
 
@@ -106,39 +112,29 @@ class Inputs:
 
     def next_event(self, time: float) -> float:
         """The first discontinuity later than `time` (s), or infinity."""
-        i = bisect_right(self._events, time)
-        return self._events[i] if i < len(self._events) else math.inf
+        return first_after(self._events, time)
 
     def next_kink(self, time: float) -> float:
         """The first discontinuity of the values or their slopes later than `time`, or infinity."""
-        i = bisect_right(self._kinks, time)
-        return self._kinks[i] if i < len(self._kinks) else math.inf
+        return first_after(self._kinks, time)
 
     def apply_continuous(self, instance: FmuInstance, time: float, *, after: bool) -> None:
-        """Set the continuous inputs."""
-        for track in self.continuous:
-            self._write(instance, track, track.after(time) if after else track.before(time))
+        """Set the continuous inputs to their values just after `time`, or just before it."""
+        instance.set(self._taken(self.continuous, time, after))
 
-    def apply(self, instance: FmuInstance, time: float, *, after: bool = True) -> None:
-        """Set everything that is not yet as it should be."""
-        self.apply_continuous(instance, time, after=after)
-        for track in self.held:
-            self._write(instance, track, track.after(time) if after else track.before(time))
-
-    def _write(self, instance: FmuInstance, track: Track, values: Sequence[Any]) -> None:
-        name = track.variable.name
-        if self._written.get(name) == values:
-            return
-        one = values[0] if not track.variable.dimensions and len(values) == 1 else list(values)
-        instance.set({name: one})
-        self._written[name] = values
+    def apply(self, instance: FmuInstance, time: float) -> None:
+        """Set everything that is not yet as it should be at `time`."""
+        instance.set(self.changed(time))
 
     def changed(self, time: float) -> dict[str, Any]:
-        """The inputs that are not yet as they should be at `time`, and will be held from then
-        on."""
+        """The inputs that are not yet as they should be at `time`; they are taken as set."""
+        return self._taken((*self.continuous, *self.held), time, True)
+
+    def _taken(self, tracks: Iterable[Track], time: float, after: bool) -> dict[str, Any]:
         found = {}
-        for track in (*self.continuous, *self.held):
-            name, values = track.variable.name, track.after(time)
+        for track in tracks:
+            name = track.variable.name
+            values = track.after(time) if after else track.before(time)
             if self._written.get(name) != values:
                 self._written[name] = values
                 scalar = not track.variable.dimensions and len(values) == 1

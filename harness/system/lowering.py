@@ -25,6 +25,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
@@ -95,9 +96,18 @@ class LoweredSystem:
         """Everything that is no FMU."""
         return tuple(c for c in self.components if not isinstance(c, FmuComponent))
 
-    def component(self, name: str) -> Component:
-        """The component of that name; raises KeyError."""
-        return {c.name: c for c in self.components}[name]
+    @cached_property
+    def by_name(self) -> dict[str, Component]:
+        """The components by name."""
+        return {c.name: c for c in self.components}
+
+    @cached_property
+    def wires_to(self) -> dict[str, tuple[Wire, ...]]:
+        """The wires to each component."""
+        found: dict[str, list[Wire]] = {name: [] for name in self.by_name}
+        for wire in self.wires:
+            found[wire.target.component].append(wire)
+        return {name: tuple(wires) for name, wires in found.items()}
 
 
 @dataclass(frozen=True)

@@ -94,9 +94,10 @@ class Algorithm(ABC):
         """`written` are the inputs of each FMU that are written. Raises `GraphError`."""
         self.lowered, self.descriptions, self.written = lowered, descriptions, written
         self.step_ns = {c.name: c.step_ns for c in lowered.fmus}
-        self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.step_ns}
-        for wire in lowered.fmu_wires:
-            self.wires_to[wire.target.component].append(wire)
+        self.wires_to = {
+            name: [w for w in lowered.wires_to[name] if w.source.component in self.step_ns]
+            for name in self.step_ns
+        }
         self.capabilities = {
             c.name: capabilities_of(c.policy, descriptions[c.name]) for c in lowered.fmus
         }

@@ -119,10 +119,7 @@ class _Planner:
         self.descriptions = descriptions
         self.recorded = recorded
         self.fmus = {c.name: c for c in lowered.fmus}
-        self.by_name: dict[str, Component] = {c.name: c for c in lowered.components}
-        self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
-        for wire in lowered.wires:
-            self.wires_to[wire.target.component].append(wire)
+        self.by_name, self.wires_to = lowered.by_name, lowered.wires_to
         self.delays = [c for c in lowered.sampled if isinstance(c, DelayComponent)]
         kind = algorithm(self.system.algorithm)
         self.rates = Rates(lowered, descriptions, kind.together(lowered))
@@ -136,8 +133,7 @@ class _Planner:
         self.stages, self.feeding = self._reading_stages()
         self.fresh = self._fresh_stages()
         self.written = self._written()
-        self.written_of = by_component(self.written)
-        self.algorithm = kind(lowered, descriptions, self.written_of)
+        self.algorithm = kind(lowered, descriptions, by_component(self.written))
 
     def plan(self) -> Plan:
         instants = self._calendar().instants()
@@ -283,14 +279,14 @@ class _Planner:
                 yield from self._compute(c)
         yield from self._apply(due)
         for name in names[Role.TAKE]:
-            yield Transfer(tuple(self.wires_to[name]))
+            yield Transfer(self.wires_to[name])
         if names[Role.RECORD]:
             yield Record()
         yield from self.algorithm.steps(due)
 
     def _compute(self, component: Component) -> Iterator[Action]:
         if self.wires_to[component.name]:
-            yield Transfer(tuple(self.wires_to[component.name]))
+            yield Transfer(self.wires_to[component.name])
         yield Compute(component.name)
 
     def _staged(
@@ -313,21 +309,18 @@ class _Planner:
         if wires:
             yield Transfer(wires)
         if self.fresh:
-            yield from self._write(due)
+            yield from self.algorithm.write(due)
             yield from self._staged(self.fresh, due, "applied")
             outputs = {end for stage in self.fresh for end in stage.every_output}
             moved = tuple(wire for wire in wires if wire.source in outputs)
             yield Transfer(moved, "applied")
-
-    def _write(self, due: Iterable[str]) -> Iterator[Action]:
-        yield from (Write(name, self.written_of[name]) for name in due if name in self.written_of)
 
     def _initial_actions(self) -> Iterator[Action]:
         yield from self._staged(self.initial_stages, self.fmus)
         stated = {c.name for c in self.system.components}
         for component in sorted(self.lowered.sampled, key=lambda c: c.name in stated):
             if self.wires_to[component.name]:
-                yield Transfer(tuple(self.wires_to[component.name]))
+                yield Transfer(self.wires_to[component.name])
                 if component.name not in stated:  # what is on a wire passes its source's value on
                     came_in = Endpoint(component.name, component.inputs[0].name)
                     goes_out = Endpoint(component.name, component.outputs[0].name)
@@ -335,7 +328,7 @@ class _Planner:
         wires = tuple(wire for name in self.fmus for wire in self.wires_to[name])
         if wires:
             yield Transfer(wires)
-            yield from self._write(self.fmus)
+            yield from self.algorithm.write(self.fmus)
         yield from self.algorithm.begin()
 
 

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from harness.clock import common_cycle, show
 from harness.errors import TimingError
 from harness.fmi.description.model_description import ModelDescription
-from harness.system.graph import Component, FmuComponent, SampledComponent, SensitivityComponent
-from harness.system.lowering import DelayComponent, LoweredSystem, Wire, rate_of
+from harness.system.graph import FmuComponent, SampledComponent, SensitivityComponent
+from harness.system.lowering import DelayComponent, LoweredSystem, rate_of
 from harness.system.policy import capabilities_of
 
 MAX_INSTANTS = 1_000_000
@@ -34,10 +34,6 @@ class Rates:
         self.system = lowered.system
         self.descriptions = descriptions
         self.fmus = {c.name: c for c in lowered.fmus}
-        self.by_name: dict[str, Component] = {c.name: c for c in lowered.components}
-        self.wires_to: dict[str, list[Wire]] = {name: [] for name in self.by_name}
-        for wire in lowered.wires:
-            self.wires_to[wire.target.component].append(wire)
         self._check_phases()
         self._check_sensitivities()
         self.notes = tuple(dict.fromkeys(self._rate_notes()))
@@ -75,7 +71,7 @@ class Rates:
     def _rate_notes(self) -> Iterator[str]:
         for wire in self.lowered.wires:
             names = sorted((wire.source.component, wire.target.component))
-            first, second = (self.by_name[name] for name in names)
+            first, second = (self.lowered.by_name[name] for name in names)
             fmu = next((c for c in (first, second) if isinstance(c, FmuComponent)), None)
             other = second if fmu is first else first
             if fmu is None or isinstance(other, DelayComponent):
@@ -135,8 +131,8 @@ class Rates:
         fixed = not self._variable(fmu.name)
         if self.system.single and not fixed:
             offsets |= set(range(0, self.cycle_ns, self.system.record_ns))
-        for wire in self.wires_to[fmu.name]:
-            source = self.by_name[wire.source.component]
+        for wire in self.lowered.wires_to[fmu.name]:
+            source = self.lowered.by_name[wire.source.component]
             if not isinstance(source, DelayComponent):
                 continue
             arrivals = set(self.sample_offsets(source))

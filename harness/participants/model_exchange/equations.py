@@ -15,9 +15,9 @@ from numba import types
 from harness.compiler.calls import call_status, load_float64, load_int64, store_float64
 from harness.compiler.machine_code import cached_callback, compiled
 from harness.participants import context as x
-from harness.participants.context import failed, get, mark
+from harness.participants.context import failed, get
+from harness.participants.events import call
 
-_WARNING = 1
 _DISCARD = 2
 _TINY = 1e-300
 _CONTENT_DATA = 16  # bytes into the content of SUNDIALS' serial vectors and dense matrices
@@ -26,20 +26,15 @@ _CONTENT_DATA = 16  # bytes into the content of SUNDIALS' serial vectors and den
 @compiled
 def vector(c: int, function: int, address: int, n: int, what: int, time: float) -> int:
     """Call a function of (instance, array, size), where the array has elements."""
-    if n == 0:
-        return 0
-    mark(c, what)
-    status = call_status(get(c, function), (get(c, x.HANDLE), address, n))
-    return failed(c, what, status, time) if status > _WARNING or status < 0 else 0
+    return call(c, function, (address, n), what, time) if n > 0 else 0
 
 
 @compiled
 def move(c: int, time: float, states: int) -> int:
     """Set time, states (array at an address) and continuous inputs."""
-    mark(c, x.AT_SET_TIME)
-    status = call_status(get(c, x.SET_TIME), (get(c, x.HANDLE), time))
-    if status > _WARNING or status < 0:
-        return failed(c, x.AT_SET_TIME, status, time)
+    status = call(c, x.SET_TIME, (time,), x.AT_SET_TIME, time)
+    if status != 0:
+        return status
     status = vector(c, x.SET_STATES, states, get(c, x.NX), x.AT_SET_STATES, time)
     if status == 0 and get(c, x.WANTED) & x.APPLY:
         status = call_status(get(c, x.HOOK), (x.APPLY, time))
@@ -100,19 +95,15 @@ def _roots(t: float, y: int, z: int, c: int) -> int:
 
 
 def _jacobian(t: float, y: int, fy: int, matrix: int, c: int, a: int, b: int, d: int) -> int:
-    n, status = get(c, x.NX), 0
-    status = move(c, t, _data(y))
+    n, status = get(c, x.NX), move(c, t, _data(y))
     rates, states, seed = get(c, x.RATE_REFERENCES), get(c, x.STATE_REFERENCES), get(c, x.SEED)
-    function, handle = get(c, x.DIRECTIONAL), get(c, x.HANDLE)
-    mark(c, x.AT_DIRECTIONAL)
+    function, what = x.DIRECTIONAL, x.AT_DIRECTIONAL
     for j in range(n):
         column, known = _data(matrix) + 8 * n * j, states + 4 * j
         if status == 0 and get(c, x.VERSION) == 3:
-            status = call_status(function, (handle, rates, n, known, 1, seed, 1, column, n))
+            status = call(c, function, (rates, n, known, 1, seed, 1, column, n), what, t)
         elif status == 0:
-            status = call_status(function, (handle, rates, n, known, 1, seed, column))
-        if status > _WARNING or status < 0:
-            return _answer(failed(c, x.AT_DIRECTIONAL, status, t))
+            status = call(c, function, (rates, n, known, 1, seed, column), what, t)
     return _answer(status)
 
 

@@ -18,29 +18,41 @@ from harness.participants import context as x
 from harness.participants.context import failed, get, put, put_real, real
 from harness.participants.model_exchange.equations import derivatives, indicators
 
-_A = np.array(
-    [
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
-        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
-        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
+_DORMAND_PRINCE = (
+    (),
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
 )
-_C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
-_E = np.array(
-    [71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
-)  # fmt: skip
-"""Dormand and Prince 1980: stages, their times, and the difference of the two solutions."""
-_A4 = np.array([0.0, 0.5, 0.5, 1.0])
-_B4 = np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6])
-
+_E = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+"""Dormand and Prince 1980: stages, and the difference of the two solutions."""
+_TABLEAUX = {
+    x.EULER: ((0.0,), ((), (1.0,))),
+    x.RK4: (
+        (0.0, 0.5, 0.5, 1.0),
+        ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
+    ),
+    x.DOPRI5: (
+        (0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0),
+        (*_DORMAND_PRINCE, _DORMAND_PRINCE[-1]),
+    ),
+}
+"""By method: the time of each stage as a share of the step; for each stage, and at last for the
+solution, the weights of the derivatives at the stages before."""
 STAGES = 7
 WORK_VECTORS = STAGES + 2
 """Work space: stages, the states before the step, the states of a stage."""
 _HALVINGS = 60
+
+_COUNT = (0, *(len(_TABLEAUX[method][0]) for method in (x.EULER, x.RK4, x.DOPRI5)))
+_TIMES, _WEIGHTS = np.zeros((4, STAGES)), np.zeros((4, STAGES + 1, STAGES))
+for _method, (_times, _rows) in _TABLEAUX.items():
+    _TIMES[_method, : len(_times)] = _times
+    for _stage, _row in enumerate(_rows):
+        _WEIGHTS[_method, _stage, : len(_row)] = _row
 
 
 @compiled
@@ -49,33 +61,18 @@ def _try(c: int, time: float, h: float, method: int) -> int:
     n = max(1, get(c, x.NX))
     work, states = get(c, x.WORK), get(c, x.X)
     before, stage = work + 8 * n * 7, work + 8 * n * 8
-    stages = 1 if method == x.EULER else 4 if method == x.RK4 else 7
-    for s in range(stages):
-        at = time
+    stages = _COUNT[method]
+    for s in range(stages + 1):
+        out = stage if s < stages else states
         for i in range(n):
             value = load_float64(before + 8 * i)
-            if method == x.RK4 and s > 0:
-                value += h * _A4[s] * load_float64(work + 8 * (n * (s - 1) + i))
-            elif method == x.DOPRI5:
-                for j in range(s):
-                    value += h * _A[s, j] * load_float64(work + 8 * (n * j + i))
-            store_float64(stage + 8 * i, value)
-        if method == x.RK4:
-            at += h * _A4[s]
-        elif method == x.DOPRI5:
-            at += h * _C[s]
-        status = derivatives(c, at, stage, work + 8 * n * s)
-        if status != 0:
-            return status
-    for i in range(n):
-        if method == x.DOPRI5:
-            value = load_float64(stage + 8 * i)
-        else:
-            value = load_float64(before + 8 * i)
-            for s in range(stages):
-                weight = 1.0 if method == x.EULER else _B4[s]
-                value += h * weight * load_float64(work + 8 * (n * s + i))
-        store_float64(states + 8 * i, value)
+            for j in range(s):
+                value += h * _WEIGHTS[method, s, j] * load_float64(work + 8 * (n * j + i))
+            store_float64(out + 8 * i, value)
+        if s < stages:
+            status = derivatives(c, time + h * _TIMES[method, s], out, work + 8 * n * s)
+            if status != 0:
+                return status
     return 0
 
 

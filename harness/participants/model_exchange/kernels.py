@@ -30,8 +30,8 @@ from harness.compiler.calls import (
 )
 from harness.compiler.machine_code import cached_callback, compiled
 from harness.participants import context as x
-from harness.participants.context import failed, get, mark, put, put_real, real
-from harness.participants.events import ENDED, FULL, full, hook, plain, settle
+from harness.participants.context import failed, get, put, put_real, real
+from harness.participants.events import ENDED, FULL, call, full, hook, plain, settle
 from harness.participants.model_exchange import explicit
 from harness.participants.model_exchange.equations import move, vector
 
@@ -143,15 +143,13 @@ def finish_step(c: int, target: float) -> int:
     asked = 0
     if get(c, x.COMPLETED) != 0:
         place = get(c, x.INFO) + 88
-        mark(c, x.AT_COMPLETED)
         store_int64(place, 0)
         if get(c, x.VERSION) == 1:
-            status = call_status(get(c, x.COMPLETED), (get(c, x.HANDLE), place))
+            status = call(c, x.COMPLETED, (place,), x.AT_COMPLETED, time)
         else:
-            flags = (get(c, x.HANDLE), 1, place, place + 4)
-            status = call_status(get(c, x.COMPLETED), flags)
-        if status > 1 or status < 0:
-            return failed(c, x.AT_COMPLETED, status, time)
+            status = call(c, x.COMPLETED, (1, place, place + 4), x.AT_COMPLETED, time)
+        if status != 0:
+            return status
         word = load_int64(place)
         asked = word & 0xFF
         if get(c, x.VERSION) != 1 and (word >> 32) & 0xFF != 0:
@@ -217,7 +215,6 @@ def between(c: int, time: float) -> int:
     return move(c, time, get(c, x.X_AT))
 
 
-@compiled
 def advance(c: int, start: float, target: float) -> int:
     """From the communication point `start` to `target` (s); 0, or what `explain` makes words of."""
     status = hook(c, x.BEGIN, start)
@@ -247,8 +244,7 @@ def advance(c: int, start: float, target: float) -> int:
     return x.FAULT
 
 
-@compiled
-def begin_write(w: int) -> int:
+def begin_write(w: int, unused: int) -> int:
     """Before inputs are set: whether they have changed, and event mode where they have.
 
     At address w: the context, how many slots, the addresses of arrays of their addresses and of
@@ -269,14 +265,6 @@ def begin_write(w: int) -> int:
     return plain(c, x.ENTER_EVENTS, x.AT_ENTER, real(c, x.TIME))
 
 
-def _advance(c: int, start: float, target: float) -> int:
-    return advance(c, start, target)
-
-
-def _begin_write(w: int, unused: int) -> int:
-    return begin_write(w)
-
-
 _I, _F = types.int64, types.float64
 
 
@@ -284,6 +272,6 @@ _I, _F = types.int64, types.float64
 def entries() -> tuple[Any, Any]:
     """The C functions advance(context, start, end) and begin_write(place, 0)."""
     return (
-        cached_callback(_advance, types.int32(_I, _F, _F)),
-        cached_callback(_begin_write, types.int32(_I, _I)),
+        cached_callback(advance, types.int32(_I, _F, _F)),
+        cached_callback(begin_write, types.int32(_I, _I)),
     )
