@@ -50,6 +50,7 @@ from harness.system.policy import Policy
 __all__ = ["Bench", "Echo", "Progress"]
 
 
+@dataclasses.dataclass(kw_only=True, eq=False, repr=False)
 class Bench:
     """A system under construction; times are seconds, all methods raise `HarnessError`.
 
@@ -63,37 +64,26 @@ class Bench:
     controller objects by component name.
     """
 
-    def __init__(
-        self,
-        *,
-        stop_time: float,
-        step: float = 0.01,
-        start_time: float = 0.0,
-        record_step: float | None = None,
-        record: Sequence[str] = ("*",),
-        algorithm: str = "jacobi",
-        algebraic_loops: str = "hold",
-        coupling_tolerance: float = 1e-6,
-        max_iterations: int = 50,
-        seed: int = 0,
-        fmi_version: int = 3,
-        portable: bool = False,
-    ) -> None:
+    stop_time: float
+    step: float = 0.01
+    start_time: float = 0.0
+    record_step: float | None = None
+    record: Sequence[str] = ("*",)
+    algorithm: str = "jacobi"
+    algebraic_loops: str = "hold"
+    coupling_tolerance: float = 1e-6
+    max_iterations: int = 50
+    seed: int = 0
+    fmi_version: int = 3
+    portable: bool = False
+    controllers: dict[str, Any] = dataclasses.field(init=False, default_factory=dict)
+    _components: dict[str, Component] = dataclasses.field(init=False, default_factory=dict)
+    _connections: list[Connection] = dataclasses.field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
         """Raises `TimingError` where a time is no whole number of nanoseconds."""
-        self.start_ns = to_nanoseconds(start_time, "start_time")
-        self.stop_ns = to_nanoseconds(stop_time, "stop_time")
-        self.step_ns = to_period(step, "step")
-        self.record_ns = self._period(record_step, "record_step")
-        self.record = tuple(record)
-        self.algorithm = algorithm
-        self.algebraic_loops = algebraic_loops
-        self.convergence = Convergence(coupling_tolerance, max_iterations)
-        self.seed = seed
-        self.fmi_version = fmi_version
-        self.portable = portable
-        self.controllers: dict[str, Any] = {}
-        self._components: dict[str, Component] = {}
-        self._connections: list[Connection] = []
+        to_period(self.step, "step")
+        self.system()
 
     # components
 
@@ -233,13 +223,13 @@ class Bench:
         return System(
             tuple(self._components.values()),
             tuple(self._connections),
-            self.start_ns,
-            self.stop_ns,
-            self.record_ns,
+            to_nanoseconds(self.start_time, "start_time"),
+            to_nanoseconds(self.stop_time, "stop_time"),
+            self._period(self.record_step, "record_step"),
             self.algorithm,
             self.seed,
             self.algebraic_loops,
-            self.convergence,
+            Convergence(self.coupling_tolerance, self.max_iterations),
         )
 
     def run(
@@ -270,7 +260,7 @@ class Bench:
 
             place = None if folder is None else Path(folder)
             return run_supervised(
-                self.system(), place, record=self.record, limits=limits, progress=progress,
+                self.system(), place, record=tuple(self.record), limits=limits, progress=progress,
                 echo=echo, experiment=experiment, needed=needed, resume=resume,
             )  # fmt: skip
         if limits is not None and limits.isolate and self.system().fmus:
@@ -309,7 +299,7 @@ class Bench:
         self._components[component.name] = component
 
     def _period(self, seconds: float | None, what: str) -> int:
-        return self.step_ns if seconds is None else to_period(seconds, what)
+        return to_period(self.step if seconds is None else seconds, what)
 
     def _endpoint(self, text: str) -> Endpoint:
         component, dot, variable = text.partition(".")

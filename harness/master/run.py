@@ -106,7 +106,7 @@ def execute(
         try:
             run.open(stack)
             run.initialise()
-            fault = run.loop(progress)
+            run.loop(progress)
         except HarnessError as caught:
             fault = caught
         if isinstance(fault, EndRequestedError) and system.single:
@@ -115,13 +115,15 @@ def execute(
         if fault is None or isinstance(fault, EndRequestedError):
             for participant in run.participants.values():
                 participant.terminate()
-    end = system.stop_ns if fault is None else run.reached
+    end = system.stop_ns if fault is None else int(host.clock[INSTANT])
     notes = (*run.notes, *(note for p in run.participants.values() for note in p.notes))
     return Outcome(end, fault, time.perf_counter() - began, notes)
 
 
 class _Run:
     """One run: its participants, its program, and where it has come to."""
+
+    program: Program
 
     def __init__(
         self, plan: Plan, fmus: Mapping[str, Fmu], recorder: Recorder, host: Host, around: Around
@@ -130,15 +132,9 @@ class _Run:
         self.host, self.around = host, around
         self.system = plan.lowered.system
         self.participants: dict[str, Participant] = {}
-        self.program: Program | None = None
         self.notes: list[str] = []
         self.last = self.system.seconds(self.system.start_ns)
-
-    @property
-    def reached(self) -> int:
-        """The instant of the loop (ticks)."""
-        start = self.system.start_ns
-        return start if self.program is None else int(self.program.clock[INSTANT])
+        host.clock[INSTANT] = self.system.start_ns
 
     def open(self, stack: ExitStack) -> None:
         """Make the participants; each is closed with `stack`."""
@@ -151,13 +147,13 @@ class _Run:
 
     def initialise(self) -> None:
         """Set what is there at the start, pass it on, and end initialisation."""
-        system = self.system
+        system, clock = self.system, self.host.clock
         start, stop = system.seconds(system.start_ns), system.seconds(system.stop_ns)
         for participant in self.participants.values():
             participant.enter_initialization(start, stop)
         descriptions = descriptions_of(system, self.fmus)
-        program = link(self.plan, self.participants, descriptions, self.host.clock)
-        self.program = program
+        self.program = program = link(self.plan, self.participants, descriptions, clock)
+        self.samples = _Samples(program)
         self.host.linked(program)
         self.recorder.add_texts(program.memory.texts.entries)
         program.memory.texts.added = lambda text: self.recorder.add_texts([text])
@@ -166,11 +162,10 @@ class _Run:
             value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
             program.v[program.memory.slot(Endpoint(signal.name, "value"))] = value[0]
         self.host.loop(True)
-        outcome = _call(program, program.initial, _Samples(program), (0, 0, 1, 1))
+        self._check(self._cycles(1, program.initial, np.empty(0), self._no_rows, clock))
         self.host.loop(False)
-        if outcome != op.OK:
-            raise explain(program, outcome)
-        program.clock[:] = 0
+        clock[:] = 0
+        clock[INSTANT] = system.start_ns
         for delay in self.plan.lowered.sampled:
             if isinstance(delay, DelayComponent):
                 held = program.v[program.memory.slot(Endpoint(delay.name, "in"))]
@@ -178,43 +173,28 @@ class _Run:
         for participant in self.participants.values():
             participant.leave_initialization(start)
 
-    def _observe(self, name: str, time: float) -> None:
-        """Record a row at an event of an FMU inside a step; there is room."""
-        assert self.program is not None
-        program, row = self.program, int(self.program.clock[ROWS])
-        instant, slots = program.events[name]
-        clock = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
-        times, rows = self._times[row : row + 1], self._rows[row : row + 1]
-        span = (0, 0, 1, 1)
-        outcome = _call(program, instant, _Samples(program), span, rows, times, clock, slots)
-        if outcome != op.OK:
-            program.clock[OPERATION] = clock[OPERATION]
-            raise explain(program, outcome)
-        times[0] = time
-        program.clock[ROWS] = row + 1
+    @property
+    def _no_rows(self) -> NDArray[np.float64]:
+        return np.empty((0, len(self.program.recorded)))
 
-    def loop(self, progress: Progress | None) -> HarnessError | None:
-        """Run all cycles, chunk by chunk; what ended them early."""
-        assert self.program is not None
+    def loop(self, progress: Progress | None) -> None:
+        """Run all cycles, chunk by chunk; raises what ended them early."""
         program, host = self.program, self.host
-        cycle_ns, record_ns = program.plan.cycle_ns, self.system.record_ns
+        cycle_ns = program.plan.cycle_ns
         n_cycles = (self.system.stop_ns - self.system.start_ns) // cycle_ns + 1
-        rows_per_cycle = cycle_ns // record_ns
-        samples = _Samples(program)
+        rows_per_cycle = cycle_ns // self.system.record_ns
         self._spare = _EVENT_ROWS if program.events else 0
         most = max(host.chunk_rows(len(program.recorded)), rows_per_cycle)
         host.most_rows(most + self._spare, len(program.recorded))
         chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
         cycle = host.begin(program)
-        samples.skip(cycle)
+        self.samples.skip(cycle)
         while cycle < n_cycles:
             chunk = min(chunk, n_cycles - cycle, host.cycles_until(cycle))
-            samples.fill(cycle, chunk)
+            self.samples.fill(cycle, chunk)
             began = time.perf_counter()
-            outcome = self._chunk(samples, cycle + chunk, chunk * rows_per_cycle)
-            if outcome != op.OK:
-                return explain(program, outcome)
-            cycle = int(program.clock[CYCLE])
+            self._chunk(cycle + chunk, chunk * rows_per_cycle, program.instants)
+            cycle = int(host.clock[CYCLE])
             if progress is not None:
                 progress(min(1.0, cycle / n_cycles))
             host.between(cycle)
@@ -222,47 +202,67 @@ class _Run:
                 chunk = max(1, min(2 * chunk, most // rows_per_cycle))
             else:
                 chunk = max(1, chunk // 2)
-        for _ in program.tail[:1]:
-            program.clock[CYCLE] = 0
-            outcome = self._chunk(samples, 1, len(program.tail), program.tail)
-            if outcome != op.OK:
-                return explain(program, outcome)
-        return None
+        if len(program.tail):
+            host.clock[CYCLE] = 0
+            self._chunk(1, len(program.tail), program.tail)
 
-    def _chunk(
-        self, samples: _Samples, until: int, n_rows: int, instants: NDArray[np.int64] | None = None
-    ) -> int:
-        """Run to cycle `until`, and hand over the rows."""
-        assert self.program is not None
-        program, outcome = self.program, op.FULL
+    def _chunk(self, until: int, n_rows: int, instants: NDArray[np.int64]) -> None:
+        """Run to cycle `until`, and hand over the rows, also where there is no room for more."""
+        program, clock, outcome = self.program, self.host.clock, op.FULL
         while outcome == op.FULL:
-            outcome = self._part(
-                samples, until, n_rows, program.instants if instants is None else instants
-            )
+            clock[ROWS] = 0
+            self._times, self._rows = self.host.room(n_rows + self._spare, len(program.recorded))
+            for name in program.events:
+                program.fmus[name].observe(partial(self._observe, name), len(self._times))
+            self.host.loop(True)
+            try:
+                outcome = self._cycles(until, instants, self._times, self._rows, clock)
+            finally:
+                self.host.loop(False)
+                self._hand_over(int(clock[ROWS]))
+        self._check(outcome)
+
+    def _hand_over(self, done: int) -> None:
+        """Give the rows that are done to the recorder."""
+        if done:
+            times, rows = self._times[:done], self._rows[:done]
+            if self.program.events:
+                times, rows = in_time_order(times, rows)
+            self.last = float(times[-1])
+            self.recorder.append(times, rows)
+
+    def _observe(self, name: str, time: float) -> None:
+        """Record a row at an event of an FMU inside a step; there is room."""
+        program, row = self.program, int(self.host.clock[ROWS])
+        instant, slots = program.events[name]
+        clock = np.zeros(op.CLOCK_SIZE, dtype=np.int64)
+        times, rows = self._times[row : row + 1], self._rows[row : row + 1]
+        outcome = self._cycles(1, instant, times, rows, clock, slots)
+        if outcome != op.OK:
+            self.host.clock[OPERATION] = clock[OPERATION]
+        self._check(outcome)
+        times[0] = time
+        self.host.clock[ROWS] = row + 1
+
+    def _cycles(
+        self, until: int, instants: NDArray[np.int64], times: NDArray[np.float64],
+        rows: NDArray[np.float64], clock: NDArray[np.int64],
+        recorded: NDArray[np.int64] | None = None,
+    ) -> int:  # fmt: skip
+        """Run `instants` to cycle `until`; the outcome."""
+        p, system, samples = self.program, self.system, self.samples
+        span = system.start_ns, system.stop_ns, p.plan.cycle_ns, until, system.ticks_per_second
+        outcome: int = run_cycles(
+            p.code, instants, np.array(span, dtype=np.int64), clock, p.v, p.copies, p.scales,
+            samples.values, samples.cursors, p.memory.exchange,
+            p.recorded if recorded is None else recorded, rows, times,
+        )  # fmt: skip
         return outcome
 
-    def _part(self, samples: _Samples, until: int, n_rows: int, instants: NDArray[np.int64]) -> int:
-        """Until all is done or there is no room for more rows."""
-        assert self.program is not None
-        program, host, system = self.program, self.host, self.system
-        program.clock[ROWS] = 0
-        columns = len(program.recorded)
-        self._times, self._rows = host.room(n_rows + self._spare, columns)
-        for name in program.events:
-            program.fmus[name].observe(partial(self._observe, name), len(self._times))
-        span = (system.start_ns, system.stop_ns, program.plan.cycle_ns, until)
-        host.loop(True)
-        try:
-            return _call(program, instants, samples, span, self._rows, self._times)
-        finally:
-            host.loop(False)
-            done = program.clock[ROWS]
-            if done:
-                times, rows = self._times[:done], self._rows[:done]
-                if program.events:
-                    times, rows = in_time_order(times, rows)
-                self.last = float(times[-1])
-                self.recorder.append(times, rows)
+    def _check(self, outcome: int) -> None:
+        """Raise what an outcome other than OK means."""
+        if outcome != op.OK:
+            raise explain(self.program, outcome)
 
 
 class _Samples:
@@ -308,31 +308,3 @@ def in_time_order(
         return times, rows
     order = np.argsort(times, kind="stable")
     return times[order], rows[order]
-
-
-def _call(
-    program: Program,
-    instants: NDArray[np.int64],
-    samples: _Samples,
-    span: tuple[int, int, int, int],
-    rows: NDArray[np.float64] | None = None,
-    times: NDArray[np.float64] | None = None,
-    clock: NDArray[np.int64] | None = None,
-    recorded: NDArray[np.int64] | None = None,
-) -> int:
-    outcome: int = run_cycles(
-        program.code,
-        instants,
-        np.array((*span, program.plan.lowered.system.ticks_per_second), dtype=np.int64),
-        program.clock if clock is None else clock,
-        program.v,
-        program.copies,
-        program.scales,
-        samples.values,
-        samples.cursors,
-        program.memory.exchange,
-        program.recorded if recorded is None else recorded,
-        np.empty((0, len(program.recorded))) if rows is None else rows,
-        np.empty(0) if times is None else times,
-    )
-    return outcome

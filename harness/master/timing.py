@@ -8,18 +8,20 @@ the two runs is when it got there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.clock import show
 from harness.fmi.fmu import Fmu
 from harness.master.plan.actions import Action, Iterate
 from harness.master.plan.planner import Plan
+from harness.master.recorded import columns_of
 from harness.master.run import execute, plan_system
-from harness.system.block import Array, KernelBlock, Port
+from harness.results.recording import Recording
+from harness.results.result import Result
+from harness.system.block import Array, KernelBlock
 from harness.system.graph import (
     BlockComponent,
     Component,
@@ -88,13 +90,14 @@ def _measure(system: System, fmus: Mapping[str, Fmu], pulsed: Endpoint) -> tuple
     computed = system.start_ns + source.phase_ns + PULSE_SAMPLE * source.period_ns
     ports = _watched(system, pulsed)
     baseline = _run(_opened(system, pulsed, 0.0), fmus, ports)
-    times: dict[Endpoint, int | None] = dict.fromkeys(ports)
+    times: list[int | None] = []
     for size in _SIZES:
         found = _run(_opened(system, pulsed, size), fmus, ports)
-        times = _first_differences(ports, baseline, found, system.ticks_per_second)
-        if any(times[port] is not None for port in ports[1:]):
+        times = [_first_difference(p, baseline, found, system.ticks_per_second) for p in ports]
+        if any(time is not None for time in times[1:]):
             break
-    return tuple(Arrival(p, computed, times[p], source.period_ns) for p in ports)
+    arrivals = zip(ports, times, strict=True)
+    return tuple(Arrival(port, computed, time, source.period_ns) for port, time in arrivals)
 
 
 def _watched(system: System, pulsed: Endpoint) -> list[Endpoint]:
@@ -147,48 +150,23 @@ def _pulse_block(c: BlockComponent | PythonComponent, target: str, size: float) 
     names = [signal.name for signal in c.outputs]
     place = names.index(target) if target else -1
     return KernelBlock(
-        tuple(Port(s.name, s.unit, s.description, s.start) for s in c.inputs),
-        tuple(Port(s.name, s.unit, s.description, s.start) for s in c.outputs),
+        tuple(c.inputs),
+        tuple(c.outputs),
         pulse_step,
         np.array([PULSE_SAMPLE, place, size, *(s.start for s in c.outputs)], dtype=np.float64),
         np.zeros(1),
     )
 
 
-class _Rows:
-    """Keeps all rows in memory."""
-
-    def __init__(self) -> None:
-        self.chunks: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
-
-    def append(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
-        self.chunks.append((times.copy(), rows.copy()))
-
-    def add_texts(self, new: Sequence[str | bytes]) -> None:
-        """Of no use here: what is measured is a number."""
+def _run(system: System, fmus: Mapping[str, Fmu], ports: list[Endpoint]) -> Result:
+    plan = plan_system(system, fmus, tuple(map(str, dict.fromkeys(ports))))
+    with Recording(columns_of(plan, fmus)) as recording:
+        outcome = execute(plan, fmus, recording)
+        if outcome.fault is not None:
+            raise outcome.fault
+        return recording.finish()
 
 
-def _run(
-    system: System, fmus: Mapping[str, Fmu], ports: list[Endpoint]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    rows = _Rows()
-    outcome = execute(plan_system(system, fmus, tuple(map(str, dict.fromkeys(ports)))), fmus, rows)
-    if outcome.fault is not None:
-        raise outcome.fault
-    return (
-        np.concatenate([times for times, _ in rows.chunks]),
-        np.concatenate([values for _, values in rows.chunks]),
-    )
-
-
-def _first_differences(
-    ports: list[Endpoint],
-    first: tuple[NDArray[np.float64], NDArray[np.float64]],
-    second: tuple[NDArray[np.float64], NDArray[np.float64]],
-    ticks: int,
-) -> dict[Endpoint, int | None]:
-    found: dict[Endpoint, int | None] = {}
-    for column, port in enumerate(dict.fromkeys(ports)):
-        changed = np.flatnonzero(first[1][:, column] != second[1][:, column])
-        found[port] = round(first[0][changed[0]] * ticks) if changed.size else None
-    return found
+def _first_difference(port: Endpoint, first: Result, second: Result, ticks: int) -> int | None:
+    changed = np.flatnonzero(first[str(port)] != second[str(port)])
+    return round(float(first.time[changed[0]]) * ticks) if changed.size else None

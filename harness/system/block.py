@@ -78,8 +78,8 @@ class Port:
 class KernelBlock:
     """A block of the harness itself (imperfections, delays); meets `Block`."""
 
-    inputs: tuple[Port, ...]
-    outputs: tuple[Port, ...]
+    inputs: tuple[BlockSignal, ...]
+    outputs: tuple[BlockSignal, ...]
     step: StepFunction
     parameters: Array = field(default_factory=lambda: np.zeros(0))
     state: Array = field(default_factory=lambda: np.zeros(0))
