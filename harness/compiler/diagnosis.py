@@ -15,32 +15,29 @@ from types import FunctionType
 
 from numba.core.errors import NumbaError
 
-from harness.compiler.step import CompileError, label, step_functions, syntax
+from harness.compiler.step import CompileError, first_reason, label, step_functions, syntax
 
 _ROOM = "give the block's state room for it and work on a slice of x"
 _LOOP = "write a loop over the elements, with room for the result in the block's state"
-_CONSTRUCTS: dict[type[ast.AST], tuple[str, str]] = {
-    ast.Raise: ("raises an exception", "write NaN to the outputs instead, which ends the run"),
-    ast.Assert: ("asserts", "check when the controller is made, or write NaN to the outputs"),
-    ast.Try: ("catches exceptions", "test for the case with `if` before it occurs"),
-    ast.With: ("has a `with` block", "do what it does when the controller is made"),
-    ast.List: ("makes a list", _ROOM),
-    ast.ListComp: ("makes a list", _ROOM),
-    ast.Dict: ("makes a dictionary", "number the entries and keep them in p or x"),
-    ast.DictComp: ("makes a dictionary", "number the entries and keep them in p or x"),
-    ast.Set: ("makes a set", _ROOM),
-    ast.SetComp: ("makes a set", _ROOM),
-    ast.GeneratorExp: ("has a generator", "write a `for` loop"),
-    ast.Yield: ("is a generator", "keep what it remembers in x"),
-    ast.JoinedStr: ("makes text", "write numbers to the outputs instead"),
-    ast.Lambda: ("defines a function", "move it to the module and call it by name"),
-    ast.FunctionDef: ("defines a function", "move it to the module and call it by name"),
-    ast.ClassDef: ("defines a class", "keep what it holds in p and x"),
-    ast.Import: ("imports a module", "import it at the head of the file"),
-    ast.ImportFrom: ("imports a module", "import it at the head of the file"),
-    ast.Global: ("changes a global variable", "keep what it remembers in x"),
-    ast.Nonlocal: ("changes an outer variable", "keep what it remembers in x"),
-}
+_CONSTRUCTS: dict[tuple[type[ast.AST], ...], tuple[str, str]] = {
+    (ast.Raise,): ("raises an exception", "write NaN to the outputs instead, which ends the run"),
+    (ast.Assert,): ("asserts", "check when the controller is made, or write NaN to the outputs"),
+    (ast.Try,): ("catches exceptions", "test for the case with `if` before it occurs"),
+    (ast.With,): ("has a `with` block", "do what it does when the controller is made"),
+    (ast.List, ast.ListComp): ("makes a list", _ROOM),
+    (ast.Dict, ast.DictComp): ("makes a dictionary", "number the entries and keep them in p or x"),
+    (ast.Set, ast.SetComp): ("makes a set", _ROOM),
+    (ast.GeneratorExp,): ("has a generator", "write a `for` loop"),
+    (ast.Yield,): ("is a generator", "keep what it remembers in x"),
+    (ast.JoinedStr,): ("makes text", "write numbers to the outputs instead"),
+    (ast.Lambda, ast.FunctionDef): (
+        "defines a function", "move it to the module and call it by name",
+    ),
+    (ast.ClassDef,): ("defines a class", "keep what it holds in p and x"),
+    (ast.Import, ast.ImportFrom): ("imports a module", "import it at the head of the file"),
+    (ast.Global,): ("changes a global variable", "keep what it remembers in x"),
+    (ast.Nonlocal,): ("changes an outer variable", "keep what it remembers in x"),
+}  # fmt: skip
 _ALLOCATING = frozenset(
     (
         "append", "arange", "array", "asarray", "astype", "concatenate", "copy", "cross",
@@ -92,7 +89,7 @@ def _fault(node: ast.AST, function: FunctionType) -> tuple[str, str] | None:
             return f"calls {name}()", _OUTSIDE[name]
         if name in _ALLOCATING:
             return f"calls {ast.unparse(node.func)}(), which allocates memory", _ROOM
-    return _CONSTRUCTS.get(type(node))
+    return next((words for kinds, words in _CONSTRUCTS.items() if isinstance(node, kinds)), None)
 
 
 def _called(node: ast.Call, function: FunctionType) -> str:
@@ -116,8 +113,7 @@ def _place(step: FunctionType, function: FunctionType, line: int) -> str:
 def sentence(step: FunctionType, fault: NumbaError) -> str:
     """What the compiler says against a step, as one sentence with the line."""
     text = str(fault)
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    said = next((line for line in lines if not line.startswith("Failed in")), "no reason given")
+    said = first_reason(fault)
     where = re.findall(r'File "([^"]+)", line (\d+)', text)
     files = {function.__code__.co_filename: function for function in step_functions(step)}
     for path, line in where:

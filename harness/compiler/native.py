@@ -34,7 +34,7 @@ from numba.core.errors import NumbaError, NumbaWarning
 from harness.compiler.diagnosis import foreign_sentence, refuse_constructs, sentence
 from harness.compiler.step import (
     CompileError,
-    rebuilt_step,
+    rebuilt,
     sizes,
     step_fingerprint,
     step_functions,
@@ -117,7 +117,7 @@ def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str
             options = {"no_cpython_wrapper": True, "debug": debug}
             scope = {
                 **globals(),
-                "step": rebuilt_step(step, "native", **options),
+                "step": rebuilt(step, "native", {}, **options),
                 **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes(block), strict=True)),
             }
             entry = FunctionType(_entry.__code__, scope, "native_entry")

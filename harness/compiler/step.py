@@ -51,11 +51,11 @@ class CompileError(HarnessError):
 @dataclass(frozen=True, eq=False)
 class CompiledStep:
     """A compiled step function for one block: the `address` of its C function, the `sizes` that
-    it takes, (4,) for p, x, u, y; and the object that keeps the code alive."""
+    it takes, (4,) for p, x, u, y; and the code itself, which lives as long as this."""
 
     address: int
     sizes: NDArray[np.int64]
-    keep: Any
+    code: Any
 
     def call(self, p: int, x: int, u: int, y: int) -> list[int]:
         """Its address and its arguments, for the arrays at these addresses."""
@@ -63,7 +63,7 @@ class CompiledStep:
 
     def __call__(self, p: Array, x: Array, u: Array, y: Array) -> None:
         """Call it as the step function that it was; arrays as long as those of the block."""
-        self.keep.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
+        self.code.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
                          self.sizes.ctypes.data_as(_C_SIZES))  # fmt: skip
 
 
@@ -95,14 +95,14 @@ _compiled: dict[str, Any] = {}
 
 
 def _compile(function: FunctionType, name: str) -> Any:
-    scope = {**globals(), "step": _rebuild(function, name, {})}
+    scope = {**globals(), "step": rebuilt(function, name, {})}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     try:
         return cached_callback(entry, _SIGNATURE, error_model="numpy")
     except NumbaError as fault:
         raise CompileError(
-            f"{label(function)} cannot be compiled: {_first_line(fault)}; write "
+            f"{label(function)} cannot be compiled: {first_reason(fault)}; write "
             "it with scalars, loops and the math module only, or run it as a plain Python block"
         ) from fault
 
@@ -123,6 +123,11 @@ def _named(function: FunctionType) -> dict[str, Any]:
     """The global values that a function names now, in itself or in functions inside it."""
     known = function.__globals__
     return {name: known[name] for name in _read(function.__code__).names if name in known}
+
+
+def _helpers(function: FunctionType) -> dict[str, FunctionType]:
+    """The plain Python functions among them."""
+    return {name: _plain(one) for name, one in _named(function).items() if _is_function(one)}
 
 
 @dataclass(frozen=True)
@@ -191,13 +196,13 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def _rebuild(function: FunctionType, step: str, done: dict[int, Any], **options: bool) -> Any:
-    """`function`, as a part of `step`, as a numba function whose helpers are numba functions."""
+def rebuilt(function: FunctionType, step: str, done: dict[int, Any], **options: bool) -> Any:
+    """`function`, as a part of `step`, as a numba function whose helpers are numba functions;
+    `options` of numba's apply to all of them, `done` are those that there are already."""
     if id(function) not in done:
         helpers = {
-            name: _rebuild(_plain(value), step, done, **options)
-            for name, value in _named(function).items()
-            if _is_function(value)
+            name: rebuilt(helper, step, done, **options)
+            for name, helper in _helpers(function).items()
         }
         scope = {**function.__globals__, **helpers}
         own = f"{function.__name__}_in_{step}"
@@ -245,17 +250,18 @@ def syntax(function: FunctionType) -> ast.stmt | None:
         return None
 
 
-def _first_line(fault: Exception) -> str:
+def first_reason(fault: Exception) -> str:
+    """What the compiler says first."""
     lines = [line.strip() for line in str(fault).splitlines() if line.strip()]
-    return lines[1] if len(lines) > 1 and lines[0].startswith("Failed in") else (lines or ["?"])[0]
+    return next((line for line in lines if not line.startswith("Failed in")), "no reason given")
 
 
 def step_functions(step: StepFunction) -> list[FunctionType]:
     """The step function itself and every plain Python function that it names, directly or not."""
     found = [_plain(step)]
     for function in found:  # which grows meanwhile
-        named = (_plain(value) for value in _named(function).values() if _is_function(value))
-        found += [one for one in dict.fromkeys(named) if one not in found]
+        helpers = dict.fromkeys(_helpers(function).values())
+        found += [one for one in helpers if one not in found]
     return found
 
 
@@ -265,9 +271,3 @@ def step_fingerprint(step: StepFunction) -> str:
     digest = hashlib.sha256()
     _fingerprint(_plain(step), (), {}, digest)
     return digest.hexdigest()
-
-
-def rebuilt_step(step: StepFunction, name: str, **options: bool) -> Any:
-    """`step` as a numba function called `name`, whose helpers are numba functions; `options` of
-    numba's apply to all of them."""
-    return _rebuild(_plain(step), name, {}, **options)

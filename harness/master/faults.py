@@ -17,7 +17,6 @@ from harness.master.program.exchange import convert, encode
 from harness.master.program.link import Program
 from harness.participants.participant import Participant
 from harness.participants.python import PythonParticipant
-from harness.system.lowering import rate_of
 
 
 def explain(program: Program, outcome: int) -> HarnessError:
@@ -152,7 +151,7 @@ def _own_fault(
         raise fault  # KeyboardInterrupt, SystemExit: no fault of the controller
     if isinstance(fault, HarnessError) and not isinstance(mover, PythonParticipant):
         raise fault
-    rate = rate_of(program.plan.lowered.by_name[mover.name])
+    rate = program.plan.lowered.by_name[mover.name]
     start = program.plan.lowered.system.start_ns
     tick = (now - start - rate.phase_ns) // rate.period_ns
     error = SimulationError(

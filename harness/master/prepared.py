@@ -23,7 +23,6 @@ from harness.master.opened import descriptions_of, opened
 from harness.master.plan.planner import Plan
 from harness.master.recorded import columns_of
 from harness.master.run import Progress, execute, plan_system
-from harness.results.columns import Column
 from harness.results.manifest import FmuRecord, Manifest
 from harness.results.recording import Recording
 from harness.results.result import Result
@@ -37,26 +36,34 @@ StartValues = Mapping[str, Mapping[str, Any]]
 
 
 class PreparedSystem:
-    """A planned system with its FMUs open; a context manager that closes them."""
+    """A planned system, its `plan`, with its `fmus` open; a context manager that closes them."""
 
     def __init__(self, system: System, record: Sequence[str | Endpoint] = ("*",)) -> None:
         """Open, check and plan; raises `HarnessError`."""
         self._stack = ExitStack()
         with ExitStack() as stack:
-            self._fmus = stack.enter_context(opened(system))
-            self._plan = plan_system(system, self._fmus, tuple(record))
-            self._columns = columns_of(self._plan, self._fmus)
+            self.fmus = stack.enter_context(opened(system))
+            self.plan = plan_system(system, self.fmus, tuple(record))
+            self._columns = columns_of(self.plan, self.fmus)
             self._stack = stack.pop_all()
-
-    @property
-    def system(self) -> System:
-        """The system as it was given."""
-        return self._plan.lowered.system
 
     @property
     def repeatable(self) -> bool:
         """Whether no component remembers a run."""
-        return not any(map(self._remembers, self.system.components))
+        return not any(map(self._remembers, self.plan.lowered.system.components))
+
+    def manifest(self, needed: Iterable[str], seed: int | None = None) -> Manifest:
+        """What a run is made of; raises `UsageError` for a signal that is `needed` and not
+        recorded."""
+        names = [column.name for column in self._columns]
+        for name in needed:
+            if name not in names:
+                raise UsageError(
+                    f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
+                )
+        records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self.fmus.items())
+        seeds = {"seed": self.plan.lowered.system.seed if seed is None else seed}
+        return Manifest(self._columns, fmus=records, seeds=seeds, notes=self.plan.notes)
 
     def run(
         self,
@@ -73,16 +80,14 @@ class PreparedSystem:
 
         The rest is as in `Bench.run`.
         """
-        plan = self._plan
+        plan = self.plan
         if seed is not None or start_values:
-            plan = _changed(plan, self._fmus, seed, start_values or {})
-        check_needed(needed, self._columns)
-        manifest = manifest_of(plan, self._fmus, self._columns)
-        manifest = replace(manifest, experiment=dict(experiment or {}))
+            plan = _changed(plan, self.fmus, seed, start_values or {})
+        manifest = replace(self.manifest(needed, seed), experiment=dict(experiment or {}))
         place = None if folder is None else Path(folder)
         with Recording(self._columns, place, manifest) as recording:
             try:
-                outcome = execute(plan, self._fmus, recording, progress=progress, echo=echo)
+                outcome = execute(plan, self.fmus, recording, progress=progress, echo=echo)
             except KeyboardInterrupt as interrupt:
                 said = str(interrupt) or "interrupted by Ctrl-C (KeyboardInterrupt)"
                 interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
@@ -106,7 +111,7 @@ class PreparedSystem:
 
     def _remembers(self, component: Component) -> bool:
         if isinstance(component, FmuComponent):
-            d = self._fmus[component.name].description
+            d = self.fmus[component.name].description
             return capabilities_of(component.policy, d).can_be_instantiated_only_once
         return isinstance(component, PythonComponent)
 
@@ -141,20 +146,3 @@ def _changed(
             )
     components = tuple(map(moved, lowered.components))
     return replace(plan, lowered=replace(lowered, system=system, components=components))
-
-
-def manifest_of(plan: Plan, fmus: Mapping[str, Fmu], columns: tuple[Column, ...]) -> Manifest:
-    """What a run of `plan` that records `columns` is made of."""
-    records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in fmus.items())
-    seeds = {"seed": plan.lowered.system.seed}
-    return Manifest(columns, fmus=records, seeds=seeds, notes=plan.notes)
-
-
-def check_needed(needed: Iterable[str], columns: Sequence[Column]) -> None:
-    """Raises `UsageError` for a signal that is asked for and not recorded."""
-    names = [column.name for column in columns]
-    for name in needed:
-        if name not in names:
-            raise UsageError(
-                f"signal {name!r} is asked for but not recorded; {nearest(name, names)}"
-            )

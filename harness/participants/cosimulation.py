@@ -43,22 +43,17 @@ class CoSimulation(DrivenParticipant):
     def instantiate(self) -> FmuInstance:
         """With event mode where the FMU has it; some claim one that they do not have."""
         asked = self.component.policy.event_mode
-        if asked is False or not self.capabilities.has_event_mode:
-            return self._without_events()
-        try:
-            instance = self.made(event_mode=True, early_return=True)
-        except FmuError as refused:
-            if asked:
-                raise
-            instance = self.made()
-            without = f"co-simulation is done without event mode, since: {refused}"
-            self.notes.append(without)
-            return instance
-        self.event_mode = True
-        return instance
-
-    def _without_events(self) -> FmuInstance:
-        if self.description.fmi_major == 3 and has_input_clocks(self.description):
+        if asked is not False and self.capabilities.has_event_mode:
+            try:
+                instance = self.made(event_mode=True, early_return=True)
+                self.event_mode = True
+                return instance
+            except FmuError as refused:
+                if asked:
+                    raise
+                without = f"co-simulation is done without event mode, since: {refused}"
+                self.notes.append(without)
+        elif has_input_clocks(self.description):
             self.notes.append(_NO_TICKS)
         return self.made()
 
@@ -79,7 +74,6 @@ class CoSimulation(DrivenParticipant):
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}
         self._continuous: dict[int, bool] = {}
-        self._clock_inputs: dict[str, int] = {}
         self._resume_at: float | None = None
 
     def leave_initialization(self, time: float) -> None:
@@ -97,12 +91,8 @@ class CoSimulation(DrivenParticipant):
             return
         d = self.description
         rest: tuple[list[str], list[str]] = ([], [])
-        for name in inputs:
-            v = d.variable(d.owner(name))
-            if v.type == "Clock":
-                self._clock_inputs[name] = self.slot(name)
-                continue
-            steady = v.variability == "continuous"
+        for name in self.unclocked(inputs):
+            steady = d.variable(d.owner(name)).variability == "continuous"
             rest[0 if steady else 1].append(name)
             for place in map(self.slot, d.whole(name)):
                 self._given.setdefault(place, -1)
@@ -273,10 +263,9 @@ class CoSimulation(DrivenParticipant):
             if now != before:
                 self._given[place] = now
                 self._flags[0 if continuous[place] else 1] = 1
-        ticking = [n for n, at in self._clock_inputs.items() if self.memory.v[at] != 0.0]
-        self.hook.triggered = tuple(ticking)
-        started = self.context.cells[x.UPDATE] != 0
-        if (self._flags[1] or ticking) and started and not self._in_event:
+        v, started = self.memory.v, self.context.cells[x.UPDATE] != 0
+        self.hook.triggered = tuple(n for n, at in self._triggers.items() if v[at] != 0.0)
+        if (self._flags[1] or self.hook.triggered) and started and not self._in_event:
             self.instance.enter_event_mode()
             self._in_event = True
 

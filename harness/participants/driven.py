@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from ctypes import c_double, c_int64
 from typing import Any
 
@@ -78,6 +78,7 @@ class DrivenParticipant(FmuParticipant):
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Values of clocked variables are their start values until the first tick."""
         super().link(memory, participants)
+        self._triggers: dict[str, int] = {}
         self.context.cells[x.ROWS] = memory.clock.ctypes.data + 8 * op.ROWS
         for v in self.description.variables.values():
             if v.details.clocks and v.start and v.type != "Clock":
@@ -122,6 +123,17 @@ class DrivenParticipant(FmuParticipant):
 
     steps = False
     """Whether the FMU does steps of its own, as in co-simulation."""
+
+    def unclocked(self, inputs: Sequence[str]) -> list[str]:
+        """Inputs but clocks; of those it is remembered where what wires bring to them lies."""
+        clocks = [name for name in inputs if self.description.port(name).type == "Clock"]
+        self._triggers |= {name: self.slot(name) for name in clocks}
+        return [name for name in inputs if name not in clocks]
+
+    def look_for_triggers(self) -> None:
+        """Find the clocks to which wires carry true."""
+        v = self.memory.v
+        self.hook.triggered = tuple(n for n, at in self._triggers.items() if v[at] != 0.0)
 
     # what the hook needs
 

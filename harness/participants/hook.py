@@ -10,34 +10,22 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
-from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import Variable
 from harness.participants import context as x
 from harness.participants.clocks import Clocks
 from harness.participants.tracks import Inputs
 
-_FAILED = 3
-
-
-class Owner(Protocol):
-    """What the hook needs of its participant."""
-
-    instance: FmuInstance
-
-    def plan_ahead(self, event: float, kink: float) -> None:
-        """The next event and the next kink (s) that the hook knows of."""
-
-    def store(self, name: str, value: Any) -> None:
-        """Keep the value of a clocked variable for whoever reads it."""
+if TYPE_CHECKING:
+    from harness.participants.driven import DrivenParticipant
 
 
 class EventHook:
     """The inputs, clocks and event rows of one participant."""
 
-    def __init__(self, owner: Owner, inputs: Inputs, clocks: Clocks) -> None:
-        """`owner` has memory, so that values of clocked variables can be stored."""
+    def __init__(self, owner: DrivenParticipant, inputs: Inputs, clocks: Clocks) -> None:
+        """`owner` stores values of clocked variables, and is told what comes next."""
         self.owner, self.instance = owner, owner.instance
         self.inputs, self.clocks = inputs, clocks
         self.fault: BaseException | None = None
@@ -91,7 +79,7 @@ class EventHook:
                     self.observe(time)
         except BaseException as fault:
             self.fault = fault
-            return _FAILED
+            return x.FAULT
         return 0
 
     def next_event(self, time: float) -> float:

@@ -182,10 +182,6 @@ class Memory:
         else:
             self.wide[slot] = raw(value, cell, self.texts)
 
-    def load(self, end: Endpoint, view: View = "present") -> Any:
-        """The value in the slot of a port: a float, an int, a str or bytes."""
-        return loaded(self, self.slot(end, view), self.cell(end))
-
 
 def raw(value: Any, cell: Cell, texts: Texts) -> int:
     """The 64 bits, as a signed integer, of a value in a slot that is not real; raises
@@ -206,7 +202,7 @@ def raw(value: Any, cell: Cell, texts: Texts) -> int:
 
 
 def loaded(memory: Memory, slot: int, cell: Cell) -> Any:
-    """The value in a slot."""
+    """The value in a slot: a float, an int, a str or bytes."""
     if cell == "real":
         return float(memory.v[slot])
     bits = int(memory.wide[slot])

@@ -21,8 +21,7 @@ from harness.fmi.binding.interface import SCHEDULED_EXECUTION
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import FULL
 from harness.participants.fmu import FmuParticipant
-from harness.participants.memory import Memory, Row
-from harness.participants.participant import Participant
+from harness.participants.memory import Row
 
 _MOST_AT_ONCE = 1000
 
@@ -38,11 +37,6 @@ class ScheduledExecution(DrivenParticipant):
         instance = self.made()
         assert isinstance(instance, Fmi3Instance)
         return instance
-
-    def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
-        """No clock is wired yet."""
-        super().link(memory, participants)
-        self._triggers: dict[str, int] = {}
 
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode, and activate what ticks at the start."""
@@ -61,11 +55,10 @@ class ScheduledExecution(DrivenParticipant):
 
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
         """Set inputs, and look which clocks are triggered."""
-        clocks = [name for name in inputs if self.description.port(name).type == "Clock"]
-        self._triggers |= {name: self.slot(name) for name in clocks}
-        if clocks:
-            yield self.calling(self._look)
-        yield from super().write([name for name in inputs if name not in clocks])
+        rest = self.unclocked(inputs)
+        if len(rest) < len(inputs):
+            yield self.calling(self.look_for_triggers)
+        yield from super().write(rest)
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """Activate what ticks in that time."""
@@ -82,10 +75,6 @@ class ScheduledExecution(DrivenParticipant):
         self.inputs.forget()
 
     # steps
-
-    def _look(self) -> None:
-        v = self.memory.v
-        self.hook.triggered = tuple(n for n, at in self._triggers.items() if v[at] != 0.0)
 
     def advance(self, start: float, target: float) -> None:
         """The same step outside the loop; raises `HarnessError`."""

@@ -21,6 +21,7 @@ from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.start_values import find_target, place_of
 from harness.instruments.csv_signal import CsvTable, plain_name, read_csv_table
 from harness.participants.tracks import Inputs, Track
+from harness.system.check import is_writable
 
 InputData = str | os.PathLike[str] | Mapping[str, Any]
 
@@ -37,20 +38,14 @@ def read_inputs(d: ModelDescription, data: InputData | None, notes: list[str]) -
 
 def _input(d: ModelDescription, name: str) -> Variable:
     variable = d.variables.get(name)
-    if variable is None or not settable(variable):
-        legal = [v.name for v in d.variables.values() if settable(v)]
+    if variable is None or not is_writable(variable):
+        legal = [v.name for v in d.variables.values() if is_writable(v)]
         what = "there is none in the FMU" if variable is None else f"it is {_role(variable)}"
         raise UsageError(
             f"{name!r} cannot be given over time: {what}; inputs and tunable parameters can: "
             f"{nearest(name, legal)}"
         )
     return variable
-
-
-def settable(v: Variable) -> bool:
-    """Whether a variable may change during the run by the user's will."""
-    tunable = v.variability == "tunable" and v.causality in ("parameter", "structuralParameter")
-    return v.causality == "input" or (tunable and v.causality == "parameter")
 
 
 def _role(v: Variable) -> str:
@@ -109,7 +104,7 @@ def _from_table(d: ModelDescription, table: CsvTable, notes: list[str]) -> list[
                 raise UsageError(f"{table.path}: column {header!r} {fault}") from fault
             cells = [_cell(table, found, c, 1)[0] for c in cells]
             elements.setdefault(found.name, {})[place] = cells
-        elif found is None or not settable(found):
+        elif found is None or not is_writable(found):
             role = "no variable of the FMU" if found is None else _role(found)
             notes.append(f"column {header!r} of {table.path} is left out: it is {role}")
         else:

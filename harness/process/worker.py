@@ -19,12 +19,10 @@ from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.fmi.wording import shorten
 from harness.master.host import Rows, Times
-from harness.master.opened import opened
 from harness.master.plan.planner import Plan
-from harness.master.prepared import check_needed, manifest_of
+from harness.master.prepared import PreparedSystem
 from harness.master.program.link import Program
-from harness.master.recorded import columns_of
-from harness.master.run import execute, plan_system
+from harness.master.run import execute
 from harness.process.checkpoint import Snapshot, differences, made_of, restore, take, why_not
 from harness.process.limits import Limits
 from harness.process.loops import VisibleHost
@@ -53,11 +51,8 @@ class Job:
 def run_job(job: Job, row_memory: int, teller: Teller) -> None:
     """Run `job` to its end; `row_memory` is the descriptor of the rows' memory."""
     host = _Host(job, row_memory, teller)
-    with opened(job.system) as fmus:
-        plan = plan_system(job.system, fmus, job.record)
-        columns = columns_of(plan, fmus)
-        check_needed(job.needed, columns)
-        manifest = manifest_of(plan, fmus, columns)
+    with PreparedSystem(job.system, job.record) as prepared:
+        plan, fmus, manifest = prepared.plan, prepared.fmus, prepared.manifest(job.needed)
         reason = host.check_resumable(plan, fmus)
         teller.tell(RunRecorder.begin, replace(manifest, not_resumable=reason), answered=True)
         teller.answer()

@@ -64,7 +64,7 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     """The variables of a component that may be the target of a wire, by name."""
     if isinstance(component, FmuComponent):
         d = descriptions[component.name]
-        return {v.name: port_info(v, d) for v in _ports(d) if _writable(v)}
+        return {v.name: port_info(v, d) for v in _ports(d) if is_writable(v)}
     return _signals(component, component.inputs)
 
 
@@ -258,7 +258,8 @@ def _ports(d: ModelDescription) -> Iterator[Variable]:
     yield from map(d.port, d.elements)
 
 
-def _writable(v: Variable) -> bool:
+def is_writable(v: Variable) -> bool:
+    """Whether a variable may get new values during a run: an input or a tunable parameter."""
     return v.causality == "input" or (v.causality == "parameter" and v.variability == "tunable")
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from harness.clock import NANOSECONDS
 from harness.fmi.description.model_description import ModelDescription
@@ -35,6 +35,12 @@ class FmuComponent:
     start_values: Mapping[str, Any] = field(default_factory=dict)
     policy: Policy = field(default_factory=Policy)
     inputs: Any = None
+    phase_ns: ClassVar[int] = 0
+
+    @property
+    def period_ns(self) -> int:
+        """Its outputs change with each step."""
+        return self.step_ns
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ from harness.system.graph import (
     SignalComponent,
     System,
 )
-from harness.system.units import Unit, conversion, exact_conversion
+from harness.system.units import Unit, exact_conversion
 
 
 @dataclass(frozen=True)
@@ -110,21 +110,6 @@ class LoweredSystem:
         return {name: tuple(wires) for name, wires in found.items()}
 
 
-@dataclass(frozen=True)
-class Rate:
-    """Sample instants `phase_ns + k * period_ns`, k = 0, 1, …"""
-
-    period_ns: int
-    phase_ns: int = 0
-
-
-def rate_of(component: Component) -> Rate:
-    """The instants at which a component's outputs change."""
-    if isinstance(component, FmuComponent):
-        return Rate(component.step_ns)
-    return Rate(component.period_ns, component.phase_ns)
-
-
 def expand_arrays(system: System, descriptions: Descriptions) -> System:
     """`system` with wires between whole arrays replaced by wires between their elements."""
     connections = tuple(
@@ -181,28 +166,27 @@ def _arithmetic(
     """Factor and offset of the conversion of units and of the connection, in one."""
     if not connection.convert_units:
         return connection.factor, connection.offset
-    if (connection.factor, connection.offset) == (1.0, 0.0):
-        return conversion(source, target)
     unit_factor, unit_offset = exact_conversion(source, target)
     factor = Fraction(connection.factor)
     return float(factor * unit_factor), float(factor * unit_offset + Fraction(connection.offset))
 
 
 class _Chain:
-    """Grows the chain of components on one wire; `end` is where the next link starts."""
+    """Grows the chain of components on one wire; `end` is where the next link starts, `timing` a
+    component with the instants at which its value changes."""
 
     def __init__(self, system: System, connection: Connection) -> None:
         source = system.component(connection.source.component)
         target = system.component(connection.target.component)
         self.target = connection.target
-        self.source_rate = rate_of(source)
-        self.link_rate = rate_of(source if isinstance(target, FmuComponent) else target)
+        self.timing: Component = source
+        self.link_timing = source if isinstance(target, FmuComponent) else target
         self.end = connection.source
         self.made: list[SampledComponent] = []
         self.wires: list[Wire] = []
 
     def add_imperfection(self, imperfection: Imperfection) -> None:
-        rate = self.link_rate
+        rate = self.link_timing
         name = self._name(getattr(imperfection, "kind", type(imperfection).__name__.lower()))
         block = imperfection.block(to_seconds(rate.period_ns))
         self.made.append(BlockComponent(name, block, rate.period_ns, rate.phase_ns))
@@ -215,10 +199,10 @@ class _Chain:
             value = Endpoint(added.name, "value")
             self.wires.append(Wire(value, Endpoint(name, block.inputs[1].name)))
         self.end = Endpoint(name, block.outputs[0].name)
-        self.source_rate = rate
+        self.timing = rate
 
     def add_delay(self, delay_ns: int) -> None:
-        rate = self.source_rate
+        rate = self.timing
         arrival = rate.phase_ns + delay_ns
         phase, samples = arrival % rate.period_ns, arrival // rate.period_ns
         # at its instant the line sees the value taken in before: that of the last sample where it

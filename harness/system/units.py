@@ -86,16 +86,23 @@ def parse_unit(name: str, defined: Mapping[str, Unit] | None = None) -> Unit:
 
 
 def conversion(source: Unit | None, target: Unit | None) -> tuple[float, float]:
-    """Factor and offset with which a value in `source` becomes one in `target`.
+    """The doubles nearest to `exact_conversion`; raises `UnitError`."""
+    factor, offset = exact_conversion(source, target)
+    return float(factor), float(offset)
+
+
+def exact_conversion(source: Unit | None, target: Unit | None) -> tuple[Fraction, Fraction]:
+    """Factor and offset with which a value in `source` becomes one in `target`, exact in the units'
+    own numbers.
 
     (1, 0) where either is not stated, or both have the same name. Raises `UnitError` when the
     exponents differ, or when different names cannot be compared for want of a definition.
     """
     if source is None or target is None or not source.name or not target.name or source == target:
-        return 1.0, 0.0
+        return Fraction(1), Fraction(0)
     if source.exponents is None or target.exponents is None:
         if source.name == target.name:
-            return 1.0, 0.0
+            return Fraction(1), Fraction(0)
         unknown = source if source.exponents is None else target
         raise UnitError(
             f"unit {unknown.name!r} is not defined, so {source.name!r} cannot be converted to "
@@ -108,14 +115,6 @@ def conversion(source: Unit | None, target: Unit | None) -> tuple[float, float]:
         )
     if target.factor == 0.0:
         raise UnitError(f"unit {target.name!r} has the factor 0, so nothing converts to it")
-    return source.factor / target.factor, (source.offset - target.offset) / target.factor
-
-
-def exact_conversion(source: Unit | None, target: Unit | None) -> tuple[Fraction, Fraction]:
-    """`conversion` as fractions that are exact in the units' own numbers; raises `UnitError`."""
-    judged = conversion(source, target)
-    if source is None or target is None or judged == (1.0, 0.0):
-        return Fraction(1), Fraction(0)
     numbers = (source.factor, source.offset, target.factor, target.offset)
     if not all(map(math.isfinite, numbers)):
         raise UnitError(f"unit {source.name!r} or {target.name!r} has an infinite factor or offset")

@@ -13,7 +13,7 @@ from harness.clock import common_cycle, show
 from harness.errors import TimingError
 from harness.fmi.description.model_description import ModelDescription
 from harness.system.graph import FmuComponent, SampledComponent, SensitivityComponent
-from harness.system.lowering import DelayComponent, LoweredSystem, rate_of
+from harness.system.lowering import DelayComponent, LoweredSystem
 from harness.system.policy import capabilities_of
 
 MAX_INSTANTS = 1_000_000
@@ -37,7 +37,7 @@ class Rates:
         self._check_phases()
         self._check_sensitivities()
         self.notes = tuple(dict.fromkeys(self._rate_notes()))
-        periods = [rate_of(c).period_ns for c in lowered.components]
+        periods = [c.period_ns for c in lowered.components]
         self.cycle_ns = common_cycle([*periods, self.system.record_ns])
         self._check_size()
         self.grid = {name: self._communication_offsets(c) for name, c in self.fmus.items()}
@@ -48,13 +48,12 @@ class Rates:
 
     def _check_phases(self) -> None:
         for c in self.lowered.sampled:
-            rate = rate_of(c)
-            if rate.phase_ns < 0:
-                raise TimingError(f"{c.name}: phase {show(rate.phase_ns)} is negative")
-            if rate.phase_ns >= rate.period_ns:
+            if c.phase_ns < 0:
+                raise TimingError(f"{c.name}: phase {show(c.phase_ns)} is negative")
+            if c.phase_ns >= c.period_ns:
                 raise TimingError(
-                    f"{c.name}: phase {show(rate.phase_ns)} is not below its period "
-                    f"{show(rate.period_ns)}"
+                    f"{c.name}: phase {show(c.phase_ns)} is not below its period "
+                    f"{show(c.period_ns)}"
                 )
 
     def _check_sensitivities(self) -> None:
@@ -76,12 +75,11 @@ class Rates:
             other = second if fmu is first else first
             if fmu is None or isinstance(other, DelayComponent):
                 continue
-            rate = rate_of(other)
-            fast, slow = sorted((fmu.step_ns, rate.period_ns))
-            if slow % fast or (fast == fmu.step_ns and rate.phase_ns % fast):
-                offset = f" (first at {show(rate.phase_ns)})" if rate.phase_ns else ""
+            fast, slow = sorted((fmu.step_ns, other.period_ns))
+            if slow % fast or (fast == fmu.step_ns and other.phase_ns % fast):
+                offset = f" (first at {show(other.phase_ns)})" if other.phase_ns else ""
                 yield (
-                    f"{other.name} runs every {show(rate.period_ns)}{offset} and {fmu.name} steps "
+                    f"{other.name} runs every {show(other.period_ns)}{offset} and {fmu.name} steps "
                     f"by {show(fmu.step_ns)}: in between, each sees what the other had at its "
                     "last instant"
                 )
@@ -146,11 +144,10 @@ class Rates:
 
     def sample_offsets(self, component: SampledComponent) -> range:
         """The sample instants of a component in a cycle, ns after its beginning."""
-        rate = rate_of(component)
-        return range(rate.phase_ns, self.cycle_ns, rate.period_ns)
+        return range(component.phase_ns, self.cycle_ns, component.period_ns)
 
     def _check_size(self) -> None:
-        rates = {c.name: rate_of(c).period_ns for c in self.lowered.components}
+        rates = {c.name: c.period_ns for c in self.lowered.components}
         count = sum(self.cycle_ns // period for period in rates.values())
         if count > MAX_INSTANTS:
             text = ", ".join(f"{name} {show(period)}" for name, period in sorted(rates.items())[:8])

@@ -144,10 +144,9 @@ class ModelExchange(DrivenParticipant):
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
         """Set inputs in event mode, where they have changed; clocks tick where a wire says so."""
         self.driven_by_wires = True
-        ticking = [name for name in inputs if self.description.variable(name).type == "Clock"]
-        if ticking:
-            yield self._trigger(ticking)
-            inputs = [name for name in inputs if name not in ticking]
+        given, inputs = len(inputs), self.unclocked(inputs)
+        if len(inputs) < given:
+            yield self.calling(self._trigger)
         rows = list(super().write(inputs))
         ports = [port for name in inputs for port in self.description.whole(name)]
         slots = [self.memory.address(self.slot(port)) for port in ports]
@@ -160,18 +159,13 @@ class ModelExchange(DrivenParticipant):
         yield [op.SKIP, place + 32, len(rows)]
         yield from rows
 
-    def _trigger(self, names: Sequence[str]) -> Row:
+    def _trigger(self) -> None:
         """Enter event mode where a wire to a clock carries true."""
-        slots = {name: self.slot(name) for name in names}
-
-        def trigger() -> None:
-            cells, v = self.context.cells, self.memory.v
-            self.hook.triggered = tuple(n for n, slot in slots.items() if v[slot] != 0.0)
-            if self.hook.triggered and not (cells[x.INITIALISING] or cells[x.IN_EVENT]):
-                self.instance.enter_event_mode()
-                cells[x.IN_EVENT] = 1
-
-        return self.calling(trigger)
+        cells = self.context.cells
+        self.look_for_triggers()
+        if self.hook.triggered and not (cells[x.INITIALISING] or cells[x.IN_EVENT]):
+            self.instance.enter_event_mode()
+            cells[x.IN_EVENT] = 1
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from: all inputs will be set anew."""

@@ -101,7 +101,7 @@ from harness.system.lowering import delay_block
 from harness.system.block import KernelBlock, Port
 import {module} as steps
 block = KernelBlock((Port("u"),), (Port("y"),), steps.step)
-print([compile_step(one).keep.cache_hits for one in (delay_block(1), block)])
+print([compile_step(one).code.cache_hits for one in (delay_block(1), block)])
 """
 
 
