@@ -155,7 +155,7 @@ def _states(subject: Subject, trial: Trial) -> Iterator[_Known]:
         def move(value: float, i: int = i) -> None:
             moved = x.copy()
             moved[i] = value
-            trial.instance.check(part.set_states(moved.ctypes.data), "SetContinuousStates")
+            part.set_states(moved)
 
         scale = max(float(nominal[i]), abs(float(x[i])))
         yield _Known(state, scale, float(x[i]), move)

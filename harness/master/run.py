@@ -29,8 +29,8 @@ from harness.master import host as hosts
 from harness.master.faults import explain
 from harness.master.host import Host
 from harness.master.opened import descriptions_of
-from harness.master.plan.planner import Plan, make_plan
-from harness.master.program.link import Program, link
+from harness.master.plan.planner import Plan, Planner
+from harness.master.program.link import Linker, Program
 from harness.master.program.loop import run_cycles
 from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
@@ -78,7 +78,7 @@ def plan_system(
     system = expand_arrays(system, descriptions)
     check(system, descriptions)
     recorded = recorded_ports(system, descriptions, record)
-    return make_plan(lower(system, descriptions), descriptions, recorded)
+    return Planner(lower(system, descriptions), descriptions, recorded).plan()
 
 
 def execute(
@@ -152,7 +152,7 @@ class _Run:
         for participant in self.participants.values():
             participant.enter_initialization(start, stop)
         descriptions = descriptions_of(system, self.fmus)
-        self.program = program = link(self.plan, self.participants, descriptions, clock)
+        self.program = program = Linker(self.plan, self.participants, descriptions, clock).link()
         self.samples = _Samples(program)
         self.host.linked(program)
         self.recorder.add_texts(program.memory.texts.entries)

@@ -33,22 +33,14 @@ _PLAIN = {
     "String": ("String", TEXT),
 }
 _FMI3 = {
-    "Float64": ("Float64", FLOAT64),
-    "Float32": ("Float32", op.FLOAT32),
-    "Int8": ("Int8", op.INT8),
-    "UInt8": ("UInt8", op.UINT8),
-    "Int16": ("Int16", op.INT16),
-    "UInt16": ("UInt16", op.UINT16),
-    "Int32": ("Int32", op.INT32),
-    "UInt32": ("UInt32", op.UINT32),
-    "Int64": ("Int64", WIDE),
-    "UInt64": ("UInt64", WIDE),
-    "Enumeration": ("Int64", WIDE),
-    "Boolean": ("Boolean", op.BOOL8),
-    "Clock": ("Clock", op.BOOL8),
-    "String": ("String", TEXT),
-    "Binary": ("Binary", TEXT),
-}
+    kind: (kind, code)
+    for kind, code in (
+        ("Float64", FLOAT64), ("Float32", op.FLOAT32), ("Int8", op.INT8), ("UInt8", op.UINT8),
+        ("Int16", op.INT16), ("UInt16", op.UINT16), ("Int32", op.INT32), ("UInt32", op.UINT32),
+        ("Int64", WIDE), ("UInt64", WIDE), ("Boolean", op.BOOL8), ("Clock", op.BOOL8),
+        ("String", TEXT), ("Binary", TEXT),
+    )
+} | {"Enumeration": ("Int64", WIDE)}  # fmt: skip
 _KINDS = {1: _PLAIN | {"Boolean": ("Boolean", op.BOOL8)}, 2: _PLAIN, 3: _FMI3}
 _FAILED = 3  # a status that ends the run
 

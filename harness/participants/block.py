@@ -14,10 +14,11 @@ from harness.system.graph import BlockComponent
 class BlockParticipant(Participant):
     """A block; `state` is its live state, shape (n_x,)."""
 
+    component: BlockComponent
+
     def __init__(self, component: BlockComponent) -> None:
         """Compiles the step where no machine code of it is there; raises `CompileError`."""
-        super().__init__(component.name)
-        self.component = component
+        super().__init__(component)
         self._compiled = compile_step(component.block)
         self._parameters = component.block.parameters.copy()
         self.state = component.block.state.copy()

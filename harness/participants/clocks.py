@@ -105,9 +105,7 @@ class Clocks:
         for name in names:
             self._pending.pop(name, None)
             if self.inputs[name].details.interval_variability == "changing":
-                interval = self._ask(name)
-                if interval:
-                    self._pending[name] = float(exact(time) + interval)
+                self._plan(name, time)
 
     def memory(self) -> dict[str, float]:
         """The planned ticks (s) of clocks whose intervals change: all that is remembered."""
@@ -121,9 +119,13 @@ class Clocks:
         """Ask the countdown clocks whether they were started by the event at `time`."""
         for name, v in self.inputs.items():
             if v.details.interval_variability == "countdown":
-                interval = self._ask(name)
-                if interval is not None:
-                    self._pending[name] = float(exact(time) + interval)
+                self._plan(name, time)
+
+    def _plan(self, name: str, time: float) -> None:
+        """The next tick, an interval after `time` (s), where the FMU gives one."""
+        interval = self._ask(name)
+        if interval is not None:
+            self._pending[name] = float(exact(time) + interval)
 
 
 def seconds(duration: tuple[int, int] | float | None) -> Fraction | None:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from harness.compiler import operations as op
-from harness.errors import EndRequestedError, FmuError, SimulationError
+from harness.errors import FmuError, SimulationError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.fmi.binding.interface import CO_SIMULATION
 from harness.participants import context as x
@@ -37,7 +37,7 @@ class CoSimulation(DrivenParticipant):
 
     kind = CO_SIMULATION
     steps = True
-    event_mode = False
+    has_events = False
     _stepper: Stepper | None = None
 
     def instantiate(self) -> FmuInstance:
@@ -46,7 +46,7 @@ class CoSimulation(DrivenParticipant):
         if asked is not False and self.capabilities.has_event_mode:
             try:
                 instance = self.made(event_mode=True, early_return=True)
-                self.event_mode = True
+                self.has_events = True
                 return instance
             except FmuError as refused:
                 if asked:
@@ -57,17 +57,12 @@ class CoSimulation(DrivenParticipant):
             self.notes.append(_NO_TICKS)
         return self.made()
 
-    @property
-    def has_events(self) -> bool:
-        """Whether the FMU is in event mode after its initialisation."""
-        return self.event_mode
-
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU; from here on it is known what a step takes."""
         super().enter_initialization(start, stop)
         timed = self.inputs.continuous or self.inputs.held
         divides = self.component.policy.discarded_steps == "divide"
-        self._direct = not (self.event_mode or timed or divides)
+        self._direct = not (self.has_events or timed or divides)
         if not self._direct:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
         self._in_event, self._near, self._last = False, 0, float("nan")
@@ -86,7 +81,7 @@ class CoSimulation(DrivenParticipant):
 
     def write(self, inputs: Sequence[str]) -> Iterator[Row]:
         """Set inputs: with event mode, discrete ones in an event, and only where they changed."""
-        if not self.event_mode:
+        if not self.has_events:
             yield from super().write(inputs)
             return
         d = self.description
@@ -147,7 +142,7 @@ class CoSimulation(DrivenParticipant):
         """Set inputs at a communication point: discrete ones in an event, where there is one."""
         variables = self.description.variables
         discrete = any(variables[name].variability != "continuous" for name in values)
-        if self.event_mode and discrete:
+        if self.has_events and discrete:
             self.instance.enter_event_mode()
             self._in_event = True
         super().give(values)
@@ -181,7 +176,7 @@ class CoSimulation(DrivenParticipant):
         goal = target
         if self.capabilities.can_handle_variable_step:
             goal = min(target, self.hook.next_event(time))
-        if self.event_mode:
+        if self.has_events:
             self.inputs.apply_continuous(self.instance, time, after=True)
         else:
             self.inputs.apply(self.instance, time)
@@ -205,14 +200,14 @@ class CoSimulation(DrivenParticipant):
         """Rows and events at the end of a part; the row at the communication point is the
         loop's."""
         jump = self.inputs.next_event(time) == reached
-        event = self.event_mode and (
+        event = self.has_events and (
             outcome.event_needed or self.hook.next_event(time) <= reached
             or self.inputs.jumped(reached)
         )  # fmt: skip
         if outcome.terminate or event or ((early or jump) and reached < target):
             self.hook.observe(reached)
         if outcome.terminate:
-            raise self._ended(reached)
+            raise self.ended(f" at t = {reached:.9g} s")
         if event:
             self.instance.enter_event_mode()
             self._in_event = True
@@ -238,7 +233,7 @@ class CoSimulation(DrivenParticipant):
         if outcome.terminate:
             if outcome.time > time:
                 self.hook.observe(outcome.time)
-            raise self._ended(outcome.time)
+            raise self.ended(f" at t = {outcome.time:.9g} s")
         can = self.capabilities
         way_out = "the FMU cannot go back, so try a smaller --step-size"
         if can.can_handle_variable_step and can.can_get_and_set_fmu_state:
@@ -246,12 +241,6 @@ class CoSimulation(DrivenParticipant):
         raise SimulationError(
             f"component {self.name}: the step at t = {time:.9g} s was discarded (computed up to "
             f"{outcome.time:.9g} s): {self.instance.log.reasons()}; {way_out}"
-        )
-
-    def _ended(self, time: float) -> EndRequestedError:
-        return EndRequestedError(
-            f"component {self.name}: the FMU asked for the end of the run at t = {time:.9g} s: "
-            f"{self.instance.log.reasons()}"
         )
 
     def _begin_write(self) -> None:

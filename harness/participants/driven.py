@@ -56,10 +56,16 @@ def function_name(mark: int) -> str:
 
 
 class DrivenParticipant(FmuParticipant):
-    """An FMU whose steps are more than one call; `context` is what compiled code knows of it."""
+    """An FMU whose steps are more than one call; `context` is what compiled code knows of it.
+
+    `has_events`: it is in event mode after its initialisation; `steps`: it does steps of its own.
+    """
+
+    has_events = True
+    steps = False
 
     def enter_initialization(self, start: float, stop: float | None) -> None:
-        """As any FMU, with the inputs that are functions of time as they are at the start."""
+        """Set start values, and inputs that are functions of time as they are at the start."""
         self._stop = math.inf if stop is None else stop
         self.context, told = Context(), self.around.told
         self._settle = settle_entry().ctypes
@@ -97,32 +103,32 @@ class DrivenParticipant(FmuParticipant):
         self.hook.segment = time
         self.plan_ahead(self.hook.next_event(time), self.inputs.next_kink(time))
 
-    @property
-    def has_events(self) -> bool:
-        """Whether the FMU is in event mode after its initialisation."""
-        return True
-
     def first_event(self) -> bool:
         """Whether the discrete states are to be iterated after initialisation."""
         return True
 
-    def fill_events(self) -> None:
-        """The functions of event iteration."""
-        c, d, instance = self.context, self.description, self.instance
-        modes = d.fmi_major > 1
-        c.cells[x.HANDLE], c.cells[x.VERSION] = instance.handle or 0, d.fmi_major
+    def functions(self) -> dict[int, str]:
+        """The functions of the FMU that compiled code calls, by their place in the context; ""
+        where it does without."""
+        modes = self.description.fmi_major > 1
         stepping = "EnterStepMode" if self.steps else "EnterContinuousTimeMode"
-        c.cells[x.UPDATE] = instance.address(UPDATES[d.fmi_major])
-        c.cells[x.ENTER_EVENTS] = instance.address("EnterEventMode") if modes else 0
-        c.cells[x.LEAVE_EVENTS] = instance.address(stepping) if modes else 0
+        return {
+            x.UPDATE: UPDATES[self.description.fmi_major],
+            x.ENTER_EVENTS: "EnterEventMode" if modes else "",
+            x.LEAVE_EVENTS: stepping if modes else "",
+        }
+
+    def fill_events(self) -> None:
+        """What compiled code knows of the FMU and its events."""
+        c, d, instance = self.context, self.description, self.instance
+        for place, name in self.functions().items():
+            c.cells[place] = instance.address(name) if name else 0
+        c.cells[x.HANDLE], c.cells[x.VERSION] = instance.handle or 0, d.fmi_major
         c.cells[x.HOOK], c.cells[x.WANTED] = self.hook.address, self.hook.wanted
-        c.cells[x.IN_EVENT] = int(modes)
+        c.cells[x.IN_EVENT] = int(d.fmi_major > 1)
         for place in (x.EVENT_TIME, x.HOOK_TIME, x.KINK_TIME):
             c.reals[place] = math.inf
         c.reals[x.LAST_EVENT] = math.nan
-
-    steps = False
-    """Whether the FMU does steps of its own, as in co-simulation."""
 
     def unclocked(self, inputs: Sequence[str]) -> list[str]:
         """Inputs but clocks; of those it is remembered where what wires bring to them lies."""
@@ -238,10 +244,7 @@ class DrivenParticipant(FmuParticipant):
         if found is not None:
             return found
         if status == op.ASKED + op.TERMINATED:
-            return EndRequestedError(
-                f"component {self.name}: the FMU asked for the end of the run: "
-                f"{self.instance.log.reasons()}"
-            )
+            return self.ended()
         c = self.context
         what, code = int(c.cells[x.FAILED]), int(c.cells[x.STATUS])
         when = f"t = {float(c.reals[x.FAILED_AT]):.9g} s"
@@ -256,6 +259,13 @@ class DrivenParticipant(FmuParticipant):
             except FmuError as fault:
                 return fault
         return SimulationError(f"component {self.name}: {self.words(what, code, when)}")
+
+    def ended(self, when: str = "") -> EndRequestedError:
+        """The FMU has asked for the end of the run."""
+        reasons = self.instance.log.reasons()
+        return EndRequestedError(
+            f"component {self.name}: the FMU asked for the end of the run{when}: {reasons}"
+        )
 
     def words(self, what: int, code: int, when: str) -> str:
         """What ended a step, apart from the functions of the FMU."""

@@ -24,7 +24,7 @@ from harness.participants.access import Access
 from harness.participants.memory import Memory, Row, View
 from harness.participants.participant import Participant
 from harness.system.graph import FmuComponent
-from harness.system.policy import capabilities_of, interface_of, tolerance_of
+from harness.system.policy import capabilities_of, interface, tolerance_of
 
 Observer = Callable[[float], None]
 """Records a row at a time (s) inside a step."""
@@ -56,6 +56,7 @@ class FmuParticipant(Participant):
     """An FMU; `instance` is its live instance. A subclass serves one kind of interface."""
 
     kind: ClassVar[InterfaceType]
+    component: FmuComponent
 
     def __init_subclass__(cls) -> None:
         if "kind" in vars(cls):
@@ -64,12 +65,13 @@ class FmuParticipant(Participant):
     @staticmethod
     def of(component: FmuComponent, fmu: Fmu, around: Around) -> FmuParticipant:
         """The participant for a component, instantiated; raises `HarnessError`."""
-        return _KINDS[interface_of(component.policy, fmu.description)](component, fmu, around)
+        kind = interface(component.policy.interface_type, fmu.description)
+        return _KINDS[kind](component, fmu, around)
 
     def __init__(self, component: FmuComponent, fmu: Fmu, around: Around) -> None:
         """Instantiate; raises `FmuError`."""
-        super().__init__(component.name)
-        self.component, self.fmu, self.around = component, fmu, around
+        super().__init__(component)
+        self.fmu, self.around = fmu, around
         self.notes: list[str] = []
         self.description = fmu.description
         self.capabilities = capabilities_of(component.policy, fmu.description)
@@ -77,9 +79,9 @@ class FmuParticipant(Participant):
         self._place = np.zeros(1, dtype=np.int64)
         self.instance = self.instantiate()
 
-    @abstractmethod
     def instantiate(self) -> FmuInstance:
         """A new instance of the kind that this participant serves."""
+        return self.made()
 
     def made(self, *, event_mode: bool = False, early_return: bool = False) -> FmuInstance:
         """A new instance with the run's log."""
@@ -90,11 +92,6 @@ class FmuParticipant(Participant):
         )  # fmt: skip
 
     # life
-
-    def enter_initialization(self, start: float, stop: float | None) -> None:
-        """Set start values, and enter initialisation mode."""
-        self.set_start_values()
-        self.instance.enter_initialization_mode(start, stop, self.tolerance)
 
     def set_start_values(self) -> None:
         """Judge and set what the user gave."""
@@ -127,9 +124,10 @@ class FmuParticipant(Participant):
         self._place[0] = 0
         self.instance.free()
 
+    @abstractmethod
     def observe(self, observer: Observer, room: int) -> None:
         """From now on `observer` records rows at events inside steps, of which there is `room` for
-        so many; an FMU without such events needs none."""
+        so many."""
 
     def explained(self, status: int) -> BaseException | None:
         """What Python has found, also in an access to texts."""

@@ -24,9 +24,10 @@ outcome of `operations` says more. One file defines one kind.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from harness.participants.memory import Memory, Row, View
-from harness.system.graph import Endpoint
+from harness.system.graph import Component, Endpoint
 
 
 class Participant:
@@ -37,9 +38,11 @@ class Participant:
     notes: Sequence[str] = ()
     """What had to be derived, left out or done otherwise in this run."""
 
-    def __init__(self, name: str) -> None:
-        """`name` is that of the component."""
-        self.name = name
+    component: Any
+
+    def __init__(self, component: Component) -> None:
+        """Its `name` is that of the component."""
+        self.component, self.name = component, component.name
 
     def enter_initialization(self, start: float, stop: float) -> None:
         """Begin initialisation (times in s)."""

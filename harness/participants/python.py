@@ -27,10 +27,7 @@ from harness.system.graph import Endpoint, PythonComponent
 class PythonParticipant(Participant):
     """`component.function(time, *inputs)`; `fault` is the exception that ended the run, or None."""
 
-    def __init__(self, component: PythonComponent) -> None:
-        """Binds nothing yet."""
-        super().__init__(component.name)
-        self.component = component
+    component: PythonComponent
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Find where inputs and outputs lie."""

@@ -31,12 +31,7 @@ class ScheduledExecution(DrivenParticipant):
 
     kind = SCHEDULED_EXECUTION
     instance: Fmi3Instance
-
-    def instantiate(self) -> Fmi3Instance:
-        """With its callbacks."""
-        instance = self.made()
-        assert isinstance(instance, Fmi3Instance)
-        return instance
+    has_events = False
 
     def leave_initialization(self, time: float) -> None:
         """Exit initialisation mode, and activate what ticks at the start."""
@@ -45,11 +40,6 @@ class ScheduledExecution(DrivenParticipant):
         self.hook.triggered = ()
         self._last = time
         self._activate(self.clocks.due(time), time)
-
-    @property
-    def has_events(self) -> bool:
-        """There is no event mode."""
-        return False
 
     # rows
 

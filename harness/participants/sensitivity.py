@@ -100,10 +100,7 @@ def _extend(
 class SensitivityParticipant(Participant):
     """A sensitivity: one directional derivative a column of the Jacobian, then the block."""
 
-    def __init__(self, component: SensitivityComponent) -> None:
-        """Binds nothing yet."""
-        super().__init__(component.name)
-        self.component = component
+    component: SensitivityComponent
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """Find the FMU; raises `FmuError` when it names no states."""

@@ -7,15 +7,10 @@ from collections.abc import Iterator, Mapping
 from harness.compiler import operations as op
 from harness.participants.memory import Memory, Row
 from harness.participants.participant import Participant
-from harness.system.graph import SignalComponent
 
 
 class SignalParticipant(Participant):
     """A signal source; `number` is its place among those of its program."""
-
-    def __init__(self, component: SignalComponent) -> None:
-        """Takes no sample yet."""
-        super().__init__(component.name)
 
     def link(self, memory: Memory, participants: Mapping[str, Participant]) -> None:
         """The samples lie in the order of the numbers."""

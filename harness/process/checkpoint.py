@@ -37,7 +37,7 @@ from harness.results.atomic import atomic_write, writing
 from harness.results.manifest import COMPLETE, read_manifest, software_versions
 from harness.results.storage import CSV_FILE, seal
 from harness.system.graph import BlockComponent, Component, FmuComponent, PythonComponent
-from harness.system.policy import capabilities_of, interface_of
+from harness.system.policy import capabilities_of, interface
 
 CHECKPOINT_FILE = "checkpoint.npz"
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
@@ -131,7 +131,7 @@ def why_not(plan: Plan, fmus: Mapping[str, Fmu]) -> str:
             return f"component {c.name} is plain Python, whose state cannot be saved"
     for c in plan.lowered.fmus:
         d = fmus[c.name].description
-        kind, can = interface_of(c.policy, d), capabilities_of(c.policy, d)
+        kind, can = interface(c.policy.interface_type, d), capabilities_of(c.policy, d)
         if kind != CO_SIMULATION:
             return f"component {c.name} is run in {kind}, whose solver's state cannot be saved"
         if can.has_event_mode and c.policy.event_mode is not False:

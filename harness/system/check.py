@@ -33,7 +33,7 @@ from harness.system.graph import (
     SensitivityComponent,
     System,
 )
-from harness.system.policy import DISCARDED_STEPS, SOLVERS, interface_of
+from harness.system.policy import DISCARDED_STEPS, SOLVERS, interface
 from harness.system.units import Unit, conversion, parse_unit
 
 TEXT_TYPES = ("String", "Binary")
@@ -120,7 +120,7 @@ def _component_faults(system: System, descriptions: Descriptions) -> Iterator[st
 
 def _fmu_faults(component: FmuComponent, d: ModelDescription) -> Iterator[str]:
     try:
-        interface_of(component.policy, d)
+        interface(component.policy.interface_type, d)
     except HarnessError as fault:
         yield f"component {component.name}: {fault}"
     policy = component.policy

@@ -84,14 +84,9 @@ def interface(name: str | None, d: ModelDescription) -> InterfaceType:
     return kind
 
 
-def interface_of(policy: Policy, d: ModelDescription) -> InterfaceType:
-    """The kind of interface with which an FMU is run."""
-    return interface(policy.interface_type, d)
-
-
 def capabilities_of(policy: Policy, d: ModelDescription) -> Capabilities:
     """What an FMU can do in the kind of interface with which it is run."""
-    return capabilities(d, interface_of(policy, d))
+    return capabilities(d, interface(policy.interface_type, d))
 
 
 def tolerance_of(policy: Policy, d: ModelDescription) -> float | None:

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 from harness.clock import show
 from harness.participants.memory import Row, View
 from harness.participants.participant import Participant
+from harness.system.graph import Endpoint
 from harness.system.lowering import Wire
 
 
@@ -63,41 +65,54 @@ class Linearise(ParticipantAction):
 
 
 @dataclass(frozen=True)
-class Read(ParticipantAction):
+class PortAction(ParticipantAction):
+    """What is done with some of the variables of an FMU."""
+
+    variables: tuple[str, ...]
+
+    @property
+    def names(self) -> str:
+        """The variables, as text."""
+        return ", ".join(self.variables)
+
+    @property
+    def ends(self) -> list[Endpoint]:
+        """The variables with their component."""
+        return [Endpoint(self.component, name) for name in self.variables]
+
+
+@dataclass(frozen=True)
+class Read(PortAction):
     """Get outputs of an FMU; each `view` of them has a place of its own."""
 
-    outputs: tuple[str, ...]
     view: View = "present"
 
     def __str__(self) -> str:
         when = {"applied": " after its inputs", "reached": " at the end of its step"}
-        return f"read {self.component}: {', '.join(self.outputs)}{when.get(self.view, '')}"
+        return f"read {self.component}: {self.names}{when.get(self.view, '')}"
 
     def call(self) -> str:
         """With all names."""
-        return f"getting {', '.join(self.outputs)}"
+        return f"getting {self.names}"
 
     def rows(self, participant: Participant) -> Iterable[Row]:
         """Get functions."""
-        return participant.read(self.outputs, self.view)
+        return participant.read(self.variables, self.view)
 
 
-@dataclass(frozen=True)
-class Write(ParticipantAction):
+class Write(PortAction):
     """Set inputs of an FMU."""
 
-    inputs: tuple[str, ...]
-
     def __str__(self) -> str:
-        return f"write {self.component}: {', '.join(self.inputs)}"
+        return f"write {self.component}: {self.names}"
 
     def call(self) -> str:
         """With all names."""
-        return f"setting {', '.join(self.inputs)}"
+        return f"setting {self.names}"
 
     def rows(self, participant: Participant) -> Iterable[Row]:
         """Set functions."""
-        return participant.write(self.inputs)
+        return participant.write(self.variables)
 
 
 @dataclass(frozen=True)
@@ -222,15 +237,13 @@ class Iterate(WireAction):
         return f"repeat until {self.targets} agree:"
 
 
-@dataclass(frozen=True)
-class Keep(Action):
+class Keep(PortAction):
     """Let the present values of an FMU's outputs be the previous ones from now on."""
 
-    component: str
-    outputs: tuple[str, ...]
+    view: ClassVar[View] = "previous"
 
     def __str__(self) -> str:
-        return f"keep as previous: {self.component}.{', '.join(self.outputs)}"
+        return f"keep as previous: {self.component}.{self.names}"
 
 
 @dataclass(frozen=True)

@@ -98,16 +98,9 @@ class Plan:
         return tuple({id(instant.actions): instant.actions for instant in self.instants}.values())
 
 
-def make_plan(
-    lowered: LoweredSystem,
-    descriptions: Mapping[str, ModelDescription],
-    recorded: tuple[Endpoint, ...],
-) -> Plan:
-    """Plan a checked and lowered system; raises `GraphError` or `TimingError`."""
-    return _Planner(lowered, descriptions, recorded).plan()
+class Planner:
+    """Plans a checked and lowered system; raises `GraphError` or `TimingError`."""
 
-
-class _Planner:
     def __init__(
         self,
         lowered: LoweredSystem,
@@ -136,6 +129,7 @@ class _Planner:
         self.algorithm = kind(lowered, descriptions, by_component(self.written))
 
     def plan(self) -> Plan:
+        """The schedule."""
         instants = self._calendar().instants()
         distinct = dict.fromkeys(events for _, events in instants)
         patterns = {events: tuple(self._actions(events)) for events in distinct}

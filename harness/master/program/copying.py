@@ -57,10 +57,8 @@ def _scales(wires: Sequence[Wire], by: float = 1.0) -> list[tuple[float, float]]
 
 def keep(memory: Memory, action: Keep) -> Row:
     """Copy present values to previous ones."""
-    ends = [Endpoint(action.component, output) for output in action.outputs]
-    return memory.copy(
-        [memory.slot(end) for end in ends], [memory.slot(end, "previous") for end in ends]
-    )
+    present = [memory.slot(end) for end in action.ends]
+    return memory.copy(present, [memory.slot(end, action.view) for end in action.ends])
 
 
 def weigh(

@@ -56,16 +56,11 @@ def make_layout(plan: Plan, descriptions: Descriptions) -> Layout:
             for signal in signals:
                 slots[Endpoint(component.name, signal.name)] = len(slots)
     rank = {end: i for i, end in enumerate(slots)}
-    others: set[tuple[View, Endpoint]] = set()
-    for action in flat(plan.actions):
-        if isinstance(action, (Keep, Read)):
-            view = action.view if isinstance(action, Read) else "previous"
-            others |= {(view, Endpoint(action.component, name)) for name in action.outputs}
-    others = {
-        (view, one)
-        for view, end in others
-        if view != "present"
-        for one in whole([end], descriptions)
+    others: set[tuple[View, Endpoint]] = {
+        (action.view, one)
+        for action in set(flat(plan.actions))
+        if isinstance(action, (Keep, Read)) and action.view != "present"
+        for one in whole(action.ends, descriptions)
     }
     ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
     views = {other: len(slots) + i for i, other in enumerate(ordered)}

@@ -97,20 +97,9 @@ class Program:
         return {n: p.state for n, p in blocks if isinstance(p, BlockParticipant)}
 
 
-def link(
-    plan: Plan,
-    participants: Mapping[str, Participant],
-    descriptions: Descriptions,
-    clock: NDArray[np.int64],
-) -> Program:
-    """Bind `plan` to live participants; raises `FmuError` or `CompileError`.
+class Linker:
+    """Binds `plan` to live participants; the loop keeps its state in the array `clock`."""
 
-    The loop keeps its state in the array `clock`.
-    """
-    return _Linker(plan, participants, descriptions, clock).link()
-
-
-class _Linker:
     def __init__(
         self,
         plan: Plan,
@@ -130,6 +119,7 @@ class _Linker:
         self.shared: dict[Action, list[tuple[Row, Action]]] = {}
 
     def link(self) -> Program:
+        """The program; raises `FmuError` or `CompileError`."""
         plan, memory = self.plan, self.memory
         for participant in self.participants.values():
             participant.link(memory, self.participants)
@@ -163,10 +153,9 @@ class _Linker:
 
     def _row_slots(self, actions: Iterable[Action]) -> NDArray[np.int64]:
         """The slots of a row that is recorded after `actions` of an event have read outputs."""
-        reads = (action for action in actions if isinstance(action, Read))
-        read = {(action.component, name) for action in reads for name in action.outputs}
+        read = {end for action in actions if isinstance(action, Read) for end in action.ends}
         slots = [
-            self.memory.slot(end, "event" if (end.component, end.variable) in read else "present")
+            self.memory.slot(end, "event" if end in read else "present")
             for end in self.plan.recorded
         ]
         return np.array(slots, dtype=np.int64)
@@ -233,8 +222,8 @@ class _Linker:
     def _ports(self, action: Action) -> int:
         """Room that an action may need in the exchange buffer, in cells."""
         match action:
-            case Read(name, variables) | Write(name, variables):
-                return len(whole((Endpoint(name, v) for v in variables), self.descriptions))
+            case Read() | Write():
+                return len(whole(action.ends, self.descriptions))
             case Step():
                 return 1
         return 0
@@ -244,7 +233,7 @@ class _Linker:
         if not isinstance(action, Write):
             return 0
         d = self.descriptions[action.component]
-        return sum(d.port(name).details.negated for name in action.inputs)
+        return sum(d.port(name).details.negated for name in action.variables)
 
 
 def _fitting(value: Any, cell: Cell) -> Any:

@@ -15,9 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler import operations as op
-from harness.errors import EndRequestedError
 from harness.fmi.binding.continuous import ContinuousPart
-from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.binding.interface import MODEL_EXCHANGE
 from harness.participants import context as x
 from harness.participants.driven import DrivenParticipant
@@ -39,10 +37,6 @@ class ModelExchange(DrivenParticipant):
     kind = MODEL_EXCHANGE
     _solver: Cvode | None = None
 
-    def instantiate(self) -> FmuInstance:
-        """An instance whose solver is not yet there."""
-        return self.made()
-
     def enter_initialization(self, start: float, stop: float | None) -> None:
         """As any FMU with events."""
         self._close_solver()
@@ -63,30 +57,31 @@ class ModelExchange(DrivenParticipant):
             return True
         told = self.instance.update_discrete_states()
         if told.terminate:
-            raise EndRequestedError(f"component {self.name}: the FMU asked for the end of the run")
+            raise self.ended()
         at = told.next_event_time
         self.context.reals[x.EVENT_TIME] = math.inf if at is None else at
         return told.needs_update
 
-    def fill_events(self) -> None:
-        """The functions of the continuous part, too."""
-        super().fill_events()
-        self.part = part = ContinuousPart(self.instance)
-        c, instance = self.context, self.instance
-        c.cells[x.NX], c.cells[x.NZ] = part.nx, part.nz
-        nominals = part.nominals_name
+    def functions(self) -> dict[int, str]:
+        """Those of the continuous part, too."""
+        part, nominals = self.part, self.part.nominals_name
         completed = self.capabilities.needs_completed_integrator_step
-        names = {
+        return super().functions() | {
             x.SET_TIME: "SetTime",
             x.SET_STATES: "SetContinuousStates" if part.nx else "",
             x.GET_STATES: "GetContinuousStates" if part.nx else "",
             x.GET_DERIVATIVES: part.derivatives_name if part.nx else "",
             x.GET_INDICATORS: "GetEventIndicators" if part.nz else "",
-            x.GET_NOMINALS: nominals if part.nx and instance.offers(nominals) else "",
+            x.GET_NOMINALS: nominals if part.nx and self.instance.offers(nominals) else "",
             x.COMPLETED: "CompletedIntegratorStep" if completed else "",
         }
-        for place, name in names.items():
-            c.cells[place] = instance.address(name) if name else 0
+
+    def fill_events(self) -> None:
+        """The continuous part, too."""
+        c = self.context
+        self.part = part = ContinuousPart(self.instance)
+        super().fill_events()
+        c.cells[x.NX], c.cells[x.NZ] = part.nx, part.nz
         n, nz = max(1, part.nx), max(1, part.nz)
         for place, size in ((x.DX, n), (x.DX_BEFORE, n), (x.Z, nz), (x.TIME_OUT, 1)):
             c.array(place, np.zeros(size))
