@@ -10,21 +10,31 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
+from harness.fmi.binding.instance import FmuInstance
 from harness.fmi.description.model_description import Variable
 from harness.participants import context as x
 from harness.participants.clocks import Clocks
 from harness.participants.tracks import Inputs
 
-if TYPE_CHECKING:
-    from harness.participants.driven import DrivenParticipant
+
+class Owner(Protocol):
+    """What the hook needs of its participant."""
+
+    instance: FmuInstance
+
+    def plan_ahead(self, event: float, kink: float) -> None:
+        """The next event and the next kink (s) that the hook knows of."""
+
+    def store(self, name: str, value: Any) -> None:
+        """Store the value of a clocked variable for whoever reads it."""
 
 
 class EventHook:
     """The inputs, clocks and event rows of one participant."""
 
-    def __init__(self, owner: DrivenParticipant, inputs: Inputs, clocks: Clocks) -> None:
+    def __init__(self, owner: Owner, inputs: Inputs, clocks: Clocks) -> None:
         """`owner` stores values of clocked variables, and is told what comes next."""
         self.owner, self.instance = owner, owner.instance
         self.inputs, self.clocks = inputs, clocks
