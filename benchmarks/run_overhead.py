@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
@@ -30,9 +31,13 @@ from benchmarks.measuring import interleaved, machine, write_json
 from benchmarks.pi import STEP, pi_block
 from benchmarks.timed_run import timed_run
 from harness.bench import Bench
-from harness.master.opened import opened
-from harness.master.program.link import link
+from harness.compiler.operations import CLOCK_SIZE
+from harness.master.opened import descriptions_of, opened
+from harness.master.program.link import Linker
 from harness.master.run import plan_system
+from harness.participants.fmu import Around, FmuParticipant
+from harness.participants.kinds import sampled
+from harness.participants.participant import Participant
 from harness.system.block import Array, KernelBlock, Port
 from harness.system.graph import System
 
@@ -164,14 +169,23 @@ def planning(lag: Lag, actions: int) -> tuple[int, float, float]:
     bench.connect("slow.u", "plant.u")
     bench.connect("plant.y", "fast.y")
     system = bench.system()
-    with opened(system) as fmus, fmus["plant"].instantiate("plant") as instance:
+    clock = np.zeros(CLOCK_SIZE, dtype=np.int64)
+    with opened(system) as fmus, ExitStack() as stack:
         marks = [time.thread_time()]
         plan = plan_system(system, fmus)
         marks.append(time.thread_time())
-        link(plan, {"plant": instance})
+        participants: dict[str, Participant] = {}
+        for fmu in plan.lowered.fmus:
+            made = FmuParticipant.of(fmu, fmus[fmu.name], Around())
+            stack.callback(made.close)
+            made.enter_initialization(0.0, 1.0)
+            participants[fmu.name] = made
+        participants |= {c.name: sampled(c) for c in plan.lowered.sampled}
+        marks.append(time.thread_time())
+        Linker(plan, participants, descriptions_of(system, fmus), clock).link()
         marks.append(time.thread_time())
     planned = sum(len(instant.actions) for instant in plan.instants)
-    return planned, marks[1] - marks[0], marks[2] - marks[1]
+    return planned, marks[1] - marks[0], marks[3] - marks[2]
 
 
 def table(title: str, headings: list[str], rows: list[list[str]]) -> Table:

@@ -28,11 +28,14 @@ from harness.system.graph import (
     Endpoint,
     FmuComponent,
     PythonComponent,
+    SensitivityComponent,
+    SignalComponent,
     System,
 )
 
 PULSE_SAMPLE = 3
 _SAMPLES_AFTER = 12
+_WATCHING = (SignalComponent, SensitivityComponent)
 _SIZES = (1e-3, 1.0, 1e3)  # the first pulse that moves anything is taken
 
 
@@ -113,25 +116,16 @@ def _watched(system: System, pulsed: Endpoint) -> list[Endpoint]:
 
 def _opened(system: System, pulsed: Endpoint, size: float) -> System:
     """All controllers replaced by constants, the pulsed one by a pulse of `size`."""
-    components: list[Component] = []
-    periods = [c.step_ns for c in system.fmus]
-    for c in system.components:
-        if isinstance(c, (BlockComponent, PythonComponent)):
-            periods.append(c.period_ns)
-            target = pulsed.variable if c.name == pulsed.component else ""
-            block = _pulse_block(c, target, size)
-            components.append(BlockComponent(c.name, block, c.period_ns, c.phase_ns))
-        else:
-            components.append(c)
+    periods = [c.period_ns for c in system.components if not isinstance(c, _WATCHING)]
     delays = [c.delay_ns for c in system.connections if c.delay_ns]
-    phases = [c.phase_ns for c in system.components if not isinstance(c, FmuComponent)]
+    phases = [c.phase_ns for c in system.components]
     record = math.gcd(*periods, *delays, *phases)
     longest = max([*periods, *delays])
     length = math.lcm(*[c.step_ns for c in system.fmus])
     wanted = (PULSE_SAMPLE + _SAMPLES_AFTER) * longest
     return replace(
         system,
-        components=tuple(components),
+        components=tuple(_held(c, pulsed, size) for c in system.components),
         record_ns=record,
         stop_ns=system.start_ns + -(-wanted // length) * length,
     )
@@ -146,16 +140,16 @@ def pulse_step(p: Array, x: Array, u: Array, y: Array) -> None:
     x[0] += 1.0
 
 
-def _pulse_block(c: BlockComponent | PythonComponent, target: str, size: float) -> KernelBlock:
+def _held(c: Component, pulsed: Endpoint, size: float) -> Component:
+    """A block of constants with that pulse in place of a controller."""
+    if not isinstance(c, (BlockComponent, PythonComponent)):
+        return c
     names = [signal.name for signal in c.outputs]
-    place = names.index(target) if target else -1
-    return KernelBlock(
-        tuple(c.inputs),
-        tuple(c.outputs),
-        pulse_step,
-        np.array([PULSE_SAMPLE, place, size, *(s.start for s in c.outputs)], dtype=np.float64),
-        np.zeros(1),
-    )
+    place = names.index(pulsed.variable) if c.name == pulsed.component else -1
+    values = [PULSE_SAMPLE, place, size, *(signal.start for signal in c.outputs)]
+    parameters = np.array(values, dtype=np.float64)
+    block = KernelBlock(tuple(c.inputs), tuple(c.outputs), pulse_step, parameters, np.zeros(1))
+    return BlockComponent(c.name, block, c.period_ns, c.phase_ns)
 
 
 def _run(system: System, fmus: Mapping[str, Fmu], ports: list[Endpoint]) -> Result:

@@ -7,7 +7,7 @@ instants at which the same things are due share one list of actions.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from enum import Enum, auto
 from typing import NamedTuple
 
@@ -38,21 +38,14 @@ class Event(NamedTuple):
 class Calendar:
     """Collects events; within one role they keep the order in which they were entered."""
 
-    def __init__(self, cycle_ns: int) -> None:
+    def __init__(self) -> None:
         """An empty cycle; its first instant is there whether something is due or not."""
-        self.cycle_ns = cycle_ns
-        self._events: defaultdict[int, list[Event]] = defaultdict(list)
-        self._events[0] = []
+        self._events: defaultdict[int, list[Event]] = defaultdict(list, {0: []})
 
     def enter(self, event: Event, offsets: Iterable[int]) -> None:
         """Something that is due at these offsets (ns) in the cycle."""
         for offset in offsets:
             self._events[offset].append(event)
-
-    def enter_steps(self, name: str, grid: Sequence[int]) -> None:
-        """An FMU that steps from each of its communication points to the next."""
-        for offset, following in zip(grid, [*grid[1:], self.cycle_ns], strict=True):
-            self._events[offset].append(Event(Role.STEP, name, following - offset))
 
     def instants(self) -> list[tuple[int, tuple[Event, ...]]]:
         """Offset and events of each instant, in order of time."""

@@ -246,7 +246,7 @@ class Planner:
     # actions
 
     def _calendar(self) -> Calendar:
-        calendar = Calendar(self.cycle_ns)
+        calendar = Calendar()
         for delay in self.delays:
             taken = range(delay.source_phase_ns, self.cycle_ns, delay.period_ns)
             calendar.enter(Event(Role.ARRIVE, delay.name), self.rates.sample_offsets(delay))
@@ -255,7 +255,8 @@ class Planner:
             calendar.enter(Event(Role.SAMPLE, block.name), self.rates.sample_offsets(block))
         calendar.enter(Event(Role.RECORD), range(0, self.cycle_ns, self.system.record_ns))
         for name, grid in self.rates.grid.items():
-            calendar.enter_steps(name, grid)
+            for offset, following in zip(grid, [*grid[1:], self.cycle_ns], strict=True):
+                calendar.enter(Event(Role.STEP, name, following - offset), [offset])
         return calendar
 
     def _actions(self, events: tuple[Event, ...]) -> Iterator[Action]:

@@ -131,3 +131,21 @@ def test_the_wish_to_end_ends_the_run_as_incomplete_and_terminates() -> None:
     assert "t = 0.05 s" in str(outcome.fault)
     assert rows.times[-1] == 50_000_000
     assert done.instances[0].calls[-2:] == ["Terminate", "Free"]
+
+
+def test_the_time_is_right_where_ticks_are_no_nanoseconds() -> None:
+    bad = plant(3)
+    bad.hook = fail_at("DoStep", 2, 3)
+    ticks = {"ticks_per_second": 3 * 10**9, "record_ns": 10**9, "start_ns": 3 * 10**9}
+    slow = system(fmu(step_ns=10**9), stop_ns=6 * 10**9, single=True, **ticks)
+    _, outcome = run_to_end(slow, {"plant": bad})
+    assert " at t = 1.33333333 s returned Error" in str(outcome.fault)
+
+
+def test_a_fault_in_initialisation_bears_the_start_time() -> None:
+    bad = plant(3)
+    bad.statuses["GetFloat64"] = 3
+    late = system(fmu(), wire("plant.y", "plant.u"), start_ns=20_000_000)
+    _, outcome = run_to_end(late, {"plant": bad})
+    assert " at t = 0.02 s returned Error" in str(outcome.fault)
+    assert outcome.end_ns == 20_000_000
