@@ -89,7 +89,7 @@ class Cvode:
         self.message = (message or b"").decode("utf-8", "replace")
 
     def _do(self, name: str, *arguments: Any) -> None:
-        function = self._library[name]  # apart from that of FMPy, which has prototypes of its own
+        function = self._library[name]  # not that of FMPy, which has prototypes of its own
         function.restype = ctypes.c_int
         flag = function(*(ctypes.c_void_p(a) if isinstance(a, int) else a for a in arguments))
         if flag < 0:
