@@ -120,11 +120,13 @@ class Inputs:
 
     def apply_continuous(self, instance: FmuInstance, time: float, *, after: bool) -> None:
         """Set the continuous inputs to their values just after `time`, or just before it."""
-        instance.set(self._taken(self.continuous, time, after))
+        if self.continuous:
+            instance.set(self._taken(self.continuous, time, after))
 
     def apply(self, instance: FmuInstance, time: float) -> None:
         """Set everything that is not yet as it should be at `time`."""
-        instance.set(self.changed(time))
+        if self.continuous or self.held:
+            instance.set(self.changed(time))
 
     def changed(self, time: float) -> dict[str, Any]:
         """The inputs that are not yet as they should be at `time`; they are taken as set."""
