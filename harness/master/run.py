@@ -162,8 +162,9 @@ class _Run:
             value = first.sample(np.array([system.start_ns + signal.phase_ns], dtype=np.int64))
             program.v[program.memory.slot(Endpoint(signal.name, "value"))] = value[0]
         self.host.loop(True)
-        self._check(self._cycles(1, program.initial, np.empty(0), self._no_rows, clock))
+        outcome = self._cycles(1, program.initial, np.empty(0), self._no_rows, clock)
         self.host.loop(False)
+        self._check(outcome)
         clock[:] = 0
         clock[INSTANT] = system.start_ns
         for delay in self.plan.lowered.sampled:
