@@ -13,6 +13,7 @@ from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE
 from harness.fmi.description.model_description import ModelDescription
 from harness.inspection import catalogue as c
 from harness.inspection.finding import Finding, Verdict
+from harness.system.policy import remembers_states_only
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,12 @@ _ALONE: dict[str, _Use] = {
 def _in_loop(d: ModelDescription, kind: str) -> tuple[_Use, ...]:
     exchange = kind == MODEL_EXCHANGE
     unstored = "the solver cannot be stored" * exchange
+    returns = () if exchange and remembers_states_only(d) else (c.RESTORES,)
     stateless = "" if d.states else "the FMU names no continuous states"
     return (
         _Use("jacobi and gauss-seidel", (c.RUNS,), (c.FEEDTHROUGH,)),
         _Use("linear wires (extrapolation = 1)", (c.RUNS,), (c.FEEDTHROUGH, c.INTERPOLATES)),
-        _Use("iterative", (c.RUNS, c.RESTORES), (c.FEEDTHROUGH, c.INTERPOLATES)),
+        _Use("iterative", (c.RUNS, *returns), (c.FEEDTHROUGH, c.INTERPOLATES)),
         _Use("algebraic loops solved", (c.RUNS,), (c.FEEDTHROUGH,)),
         _Use("delays within a step", (c.RUNS,) if exchange else (c.RUNS, c.OTHER_STEPS)),
         _Use("several instances in one run", (c.RUNS, c.TWICE)),

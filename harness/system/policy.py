@@ -24,7 +24,7 @@ is not asked for: no callback is given, and nothing that the standard grants dep
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from harness.errors import UsageError
@@ -85,8 +85,22 @@ def interface(name: str | None, d: ModelDescription) -> InterfaceType:
 
 
 def capabilities_of(policy: Policy, d: ModelDescription) -> Capabilities:
-    """What an FMU can do in the kind of interface with which it is run."""
-    return capabilities(d, interface(policy.interface_type, d))
+    """What an FMU can do in the kind of interface with which it is run; in model exchange one that
+    remembers its states only returns to them without a function of its own."""
+    kind = interface(policy.interface_type, d)
+    found = capabilities(d, kind)
+    if kind == MODEL_EXCHANGE and remembers_states_only(d):
+        return replace(found, can_get_and_set_fmu_state=True)
+    return found
+
+
+def remembers_states_only(d: ModelDescription) -> bool:
+    """Whether continuous states and time are all that an FMU in model exchange can remember: it
+    declares no event indicators, and nothing discrete but what it is given."""
+    given = ("input", "parameter", "structuralParameter")
+    discrete = (v for v in d.variables.values() if v.variability == "discrete")
+    indicators = d.number_of_event_indicators or d.event_indicators
+    return not indicators and all(v.causality in given for v in discrete)
 
 
 def tolerance_of(policy: Policy, d: ModelDescription) -> float | None:

@@ -162,13 +162,57 @@ class ModelExchange(DrivenParticipant):
             self.instance.enter_event_mode()
             cells[x.IN_EVENT] = 1
 
+    # snapshots
+
+    @property
+    def _stores(self) -> bool:
+        return self.instance.capabilities.can_get_and_set_fmu_state
+
+    def save(self) -> Iterator[Row]:
+        """Get the FMU state; where there is none, states and time are all there is to remember."""
+        if self._stores:
+            yield from super().save()
+            return
+        self.notes.append(
+            "the FMU cannot store its state, but declares nothing besides its continuous states: "
+            "a step is repeated from these and the time"
+        )
+        yield self.calling(self._remember)
+
+    def restore(self) -> Iterator[Row]:
+        """Set the FMU state, or what there is in its place; inputs will be set anew."""
+        if self._stores:
+            yield from super().restore()
+        else:
+            yield self.calling(lambda: self.recall(self._snapshot))
+
+    def remembered(self) -> dict[str, Any]:
+        """What the importer must remember with a snapshot of the FMU, or in place of one."""
+        found = super().remembered()
+        if self._stores:
+            return found
+        time = float(self.context.reals[x.TIME])
+        return found | {"time": time, "states": self.part.states().tolist()}
+
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on from where the FMU and `memory` come from: all inputs will be set anew."""
+        if "states" in memory:
+            self._return(memory)
         super().recall(memory)
         self.context.cells[x.UNFINISHED] = 0
         for last in self._last:
             last[:] = -1
         self.begin_anew()
+
+    def _return(self, memory: Mapping[str, Any]) -> None:
+        """Set time and states, which is allowed outside of event mode."""
+        instance, modes = self.instance, self.instance.prefix != "fmi"
+        if modes and self.context.cells[x.IN_EVENT]:
+            self.check(self._settle(self.context.address, memory["time"]))
+        instance.call("SetTime", ctypes.c_double(memory["time"]))
+        self.part.set_states(np.array(memory["states"]))
+        if modes and memory["in event mode"]:
+            instance.enter_event_mode()
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """Solve to the next communication point."""
