@@ -1,8 +1,9 @@
 """A signal read from a CSV file, and the liberal reading of the CSV files of this field.
 
-Accepted: a byte-order mark, quoted and unquoted names, spaces after the comma, a first line
-`"sep=,"`, `Time` beside `time`, a counter column, names with a tail (`x [0 real output]`,
-`inst::x[REAL]`), `True` and `False`. Times are in seconds and must not decrease; at a time that
+Accepted: cells between commas, tabs or semicolons (then also with decimal commas), a byte-order
+mark, quoted and unquoted names, spaces after the comma, a first line `"sep=,"`, `Time` beside
+`time`, a counter column, names with a tail (`x [0 real output]`, `inst::x[REAL]`), `True` and
+`False`. Times are in seconds and must not decrease; at a time that
 repeats (both sides of an event) the later row holds.
 """
 
@@ -24,6 +25,8 @@ from harness.instruments.checks import Waveform, check_choice, label, require
 from harness.instruments.source import Times, Values
 
 TYPE_TAIL = re.compile(r"\s*\[(\d+ \w+ \w+|REAL|INT|BOOL|STR|STRING|INTEGER|BOOLEAN)\]$")
+_DELIMITERS = ",;\t"
+_DECIMAL_COMMA = r"^(\s*[-+]?\d*),(\d+([eE][-+]?\d+)?\s*)$"
 Interpolation = Annotated[str, partial(check_choice, legal=("hold", "linear"))]
 
 
@@ -61,7 +64,7 @@ class CsvTable:
     def time_index(self) -> int:
         """The place of the column of the time."""
         for index, name in enumerate(self.names):
-            if plain_name(name).lower() == "time":
+            if _lowered(name) == "time":
                 return index
         raise ExperimentError(
             f"{self.path} has no column 'time', only {', '.join(map(repr, self.names[:12]))}"
@@ -117,10 +120,12 @@ def read_csv_table(path: Path, *, as_text: bool = False) -> CsvTable:
     """The CSV file at `path`, its cells as they stand where `as_text`; raises `ExperimentError`
     where it cannot be read."""
     import pyarrow as pa
+    import pyarrow.compute as pc
     import pyarrow.csv as arrow_csv
 
     try:
         names, skipped, delimiter = _header(path)
+        as_text = as_text or delimiter == ";"
         types = {name: pa.string() for name in names} if as_text else {}
         table = arrow_csv.read_csv(
             path,
@@ -143,22 +148,39 @@ def read_csv_table(path: Path, *, as_text: bool = False) -> CsvTable:
         raise ExperimentError(f"{path} cannot be read as CSV: {reason}") from fault
     except OSError as fault:
         raise ExperimentError(f"{path} cannot be read: {fault}") from fault
+    if delimiter == ";":
+        points = (
+            pc.replace_substring_regex(one, _DECIMAL_COMMA, r"\1.\2") for one in table.columns
+        )
+        table = pa.table(list(points), names=list(names))
     return CsvTable(path, names, table)
 
 
 def _header(path: Path) -> tuple[tuple[str, ...], int, str]:
-    """Names, number of lines before the values, and the delimiter."""
-    delimiter = ","
+    """Names, number of lines before the values, and the delimiter: the one that is declared, else
+    the first one that makes a cell of the time."""
+    delimiters = _DELIMITERS
     with path.open(encoding="utf-8-sig", newline="") as lines:
         for count, line in enumerate(lines, start=1):
             text = line.strip()
             declared = re.fullmatch(r'"?sep=(.)"?', text)
             if declared:
-                delimiter = declared[1]
+                delimiters = declared[1]
             elif text:
-                cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True))
-                return tuple(cell.strip() for cell in cells), count, delimiter
+                found = {mark: _cells(text, mark) for mark in delimiters}
+                timed = [m for m, names in found.items() if "time" in map(_lowered, names)]
+                delimiter = (timed or list(delimiters))[0]
+                return found[delimiter], count, delimiter
     raise ExperimentError(f"{path} is empty; a header with the column 'time' was expected")
+
+
+def _cells(line: str, delimiter: str) -> tuple[str, ...]:
+    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    return tuple(cell.strip() for cell in cells)
+
+
+def _lowered(name: str) -> str:
+    return plain_name(name).lower()
 
 
 @dataclass(frozen=True)
