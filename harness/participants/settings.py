@@ -108,6 +108,11 @@ def _communication(s: Settings, d: ModelDescription, notes: list[str]) -> Settin
             )
         elif s.output_interval is None:
             step = _coarser(step, s.stop_time - s.start_time, notes)
+    elif s.output_interval and exact(s.output_interval) % exact(step):
+        notes.append(
+            f"outputs are computed every {step:g} s: rows every {s.output_interval:g} s, which is "
+            "no multiple of it, repeat the last values in between"
+        )
     return replace(s, step_size=step, notes=tuple(notes))
 
 

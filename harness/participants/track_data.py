@@ -7,6 +7,7 @@ are no inputs are left out with a note.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.errors import UsageError, nearest
+from harness.errors import HarnessError, UsageError, nearest
 from harness.fmi.binding.values import flat, parse_value
 from harness.fmi.description.model_description import ModelDescription, Variable
 from harness.fmi.start_values import find_target, place_of
@@ -102,13 +103,13 @@ def _from_table(d: ModelDescription, table: CsvTable, notes: list[str]) -> list[
                 place = place_of(_input(d, found.name), element)
             except ValueError as fault:
                 raise UsageError(f"{table.path}: column {header!r} {fault}") from fault
-            cells = [_cell(table, found, c, 1)[0] for c in cells]
+            cells = [one for (one,) in _rows(table, header, found, cells, 1)]
             elements.setdefault(found.name, {})[place] = cells
         elif found is None or not is_writable(found):
             role = "no variable of the FMU" if found is None else _role(found)
             notes.append(f"column {header!r} of {table.path} is left out: it is {role}")
         else:
-            columns[name] = [_cell(table, found, cell, found.size) for cell in cells]
+            columns[name] = _rows(table, header, found, cells, found.size)
     for name, parts in elements.items():
         needed = d.variables[name].size
         if set(parts) != set(range(needed)):
@@ -123,9 +124,25 @@ def _from_table(d: ModelDescription, table: CsvTable, notes: list[str]) -> list[
     return [Track(d.variables[n], times, tuple(map(tuple, rows))) for n, rows in columns.items()]
 
 
-def _cell(table: CsvTable, v: Variable, cell: str | None, count: int) -> Sequence[Any]:
+def _rows(
+    table: CsvTable, header: str, v: Variable, cells: Sequence[str | None], count: int
+) -> list[Sequence[Any]]:
+    """The values of a column, row by row; numbers must be finite."""
+    rows = []
+    for i, cell in enumerate(cells):
+        try:
+            rows.append(_cell(v, cell, count))
+        except HarnessError as fault:
+            place = f"{table.path}, column {header!r}, row {i + 1} of the values"
+            raise UsageError(f"{place}: {fault}") from fault
+    return rows
+
+
+def _cell(v: Variable, cell: str | None, count: int) -> Sequence[Any]:
     if cell is None or (not cell.strip() and v.type not in ("String", "Binary")):
-        raise UsageError(f"{table.path}: column {v.name!r} has an empty cell")
-    if count == 1 and not v.dimensions:
-        return (parse_value(v, cell),)
-    return flat(parse_value(v, cell.strip(), count))
+        raise UsageError("the cell is empty")
+    alone = count == 1 and not v.dimensions
+    row = (parse_value(v, cell),) if alone else tuple(flat(parse_value(v, cell.strip(), count)))
+    if not all(math.isfinite(one) for one in row if isinstance(one, float)):
+        raise UsageError(f"{cell.strip()} is not finite; inputs must be")
+    return row
