@@ -63,6 +63,11 @@ def opened_experiment(name: str, changed: Mapping[str, Any] | None = None) -> It
         yield Experiment.load(registry.experiment(name), changed)
 
 
+def for_fmus(pairs: Sequence[str] | None, validate: bool) -> list[str]:
+    """`pairs` and those that flags about all FMUs of an experiment stand for."""
+    return [*(pairs or ()), *(["validate_fmus=false"] * (not validate))]
+
+
 def settings(
     pairs: Sequence[str] | None, flags: Mapping[str, Mapping[str, Any]] | None = None
 ) -> dict[str, Any]:

@@ -121,6 +121,8 @@ class Experiment:
             source, parameters = given.pop(kind), given.pop("parameters", {})
             if kind == "fmu" and source.endswith(".fmu"):
                 source = self.path.parent / source
+            if kind == "fmu":
+                given["validate"] &= spec.validate_fmus
             if kind == "signal" and isinstance(parameters.get("file"), str):
                 parameters["file"] = str(self.path.parent / parameters["file"])
             add = getattr(bench, kind)

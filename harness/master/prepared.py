@@ -63,7 +63,9 @@ class PreparedSystem:
                 )
         records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self.fmus.items())
         seeds = {"seed": self.plan.lowered.system.seed if seed is None else seed}
-        return Manifest(self._columns, fmus=records, seeds=seeds, notes=self.plan.notes)
+        told = dict.fromkeys(note for fmu in self.fmus.values() for note in fmu.notes)
+        notes = (*told, *self.plan.notes)
+        return Manifest(self._columns, fmus=records, seeds=seeds, notes=notes)
 
     def run(
         self,

@@ -12,7 +12,7 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 from warnings import warn
@@ -73,7 +73,8 @@ def open_experiment(
     signals run, as they do in other tools.
     """
     with open_package(path) as package, ExitStack() as stack:
-        describe = cache(describe_fmu)
+        validate = (settings or {}).get("validate_fmus", True)
+        describe = cache(partial(describe_fmu, validate=validate))
         names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
@@ -90,9 +91,9 @@ def open_experiment(
         yield Experiment.from_data(data, package.path)
 
 
-def describe_fmu(path: Path) -> ModelDescription:
+def describe_fmu(path: Path, validate: bool = True) -> ModelDescription:
     """The description of an FMU; raises `FmuError`."""
-    with Fmu(path) as fmu:
+    with Fmu(path, validate=validate) as fmu:
         return fmu.description
 
 
