@@ -37,12 +37,13 @@ def run_command(
     memory_limit: options.MemoryLimit = None,
     isolate: options.Isolate = False,
     validate: options.Validate = True,
+    compile_: options.Compile = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
-    pairs = options.for_fmus(set_, validate)
+    pairs = options.for_fmus(set_, validate, compile_)
     changed = options.settings(pairs, {"limits": {**limits, "isolate": isolate or None}})
     with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)

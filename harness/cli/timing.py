@@ -12,6 +12,7 @@ from rich.table import Table
 
 from harness.cli.options import (
     Changes,
+    Compile,
     ExperimentName,
     Validate,
     for_fmus,
@@ -34,6 +35,7 @@ def timing_command(
     variant: Annotated[str | None, typer.Option(help="Variant; the first when absent")] = None,
     set_: Changes = None,
     validate: Validate = True,
+    compile_: Compile = False,
 ) -> None:
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.master.opened import opened
@@ -41,7 +43,7 @@ def timing_command(
     from harness.master.timing import measure_delays
     from harness.process.task import Teller, run_task
 
-    with opened_experiment(experiment, settings(for_fmus(set_, validate))) as loaded:
+    with opened_experiment(experiment, settings(for_fmus(set_, validate, compile_))) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:
