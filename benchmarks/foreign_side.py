@@ -9,9 +9,12 @@ columns and, as JSON, their names, the seconds of the simulation and the words o
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 import tempfile
 import time
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +28,9 @@ def ours(
 ) -> Columns:  # fmt: skip
     """The harness; model exchange by CVODE with rows every `step` (s)."""
     from harness import simulate
+    from harness.fmi.sources import compiled as build
 
+    path = str(build(path, validate=validate)) if compiled else path
     rows: dict[str, Any] = {"output_interval" if kind == "model-exchange" else "step_size": step}
     result = simulate(
         path, interface_type=kind, start_time=start, stop_time=stop, output_variables=names,
@@ -58,16 +63,79 @@ def fmpy(
     return {name: np.asarray(rows[name], float) for name in kept}
 
 
+def package(path: str, longest: float, compiled: bool, validate: bool = True) -> Columns:
+    """A package under the harness, its first description, for at most `longest` seconds."""
+    from harness.ssp.to_experiment import open_experiment
+
+    changed = {"validate_fmus": validate, "compile_fmus": compiled}
+    with open_experiment(path, changed) as experiment:
+        variant = experiment.variants[0]
+        spec = experiment.variant_spec(variant)
+        stop = min(spec.stop_time, spec.start_time + longest)
+    with open_experiment(path, {**changed, "stop_time": stop}) as experiment:
+        result = experiment.run(variant)
+    numbers = {n: result[n] for n in result.names if n not in result.texts}
+    return {"time": result.time} | {n: np.asarray(c, float) for n, c in numbers.items()}
+
+
+def table(path: str) -> Columns:
+    """A table of results beside a package."""
+    from harness.instruments.csv_signal import read_csv_table
+
+    read = read_csv_table(Path(path))
+    names = read.names[1:]
+    values = [np.asarray(read.columns.column(i), float) for i in range(1 + len(names))]
+    return dict(zip(("time", *names), values, strict=True))
+
+
+def ecos(
+    path: str, compiled: bool, times: list[float], rows: int, names: list[str]
+) -> Columns:  # fmt: skip
+    """A package under Ecos, whose steps are those between our rows, with FMUs built as for us.
+    Ecos applies a set of start values only where it is named."""
+    from ecospy import EcosSimulation
+
+    from harness.fmi.sources import compiled as build
+    from harness.ssp.package import open_package
+    from harness.ssp.parameters import ParameterSet
+    from harness.ssp.tree import build_tree
+
+    step = times[1] - times[0]
+    found: dict[str, list[float]] = {name: [] for name in names}
+    with open_package(path) as package, ExitStack() as stack:
+        file = next(iter(package.structures))
+        tree = build_tree(package, file, stack)
+        bindings = [(one, node) for node in tree.fmus for one in node.element.bindings]
+        sets = [
+            one.inline or node.scope.document(ParameterSet, one.source or "", "binding")
+            for one, node in bindings
+        ]
+        folder = package.folder
+        if compiled and package.closed:
+            for node in tree.fmus:
+                shutil.copyfile(build(node.source, validate=False), node.source)
+        with EcosSimulation(ssp_path=str(folder), step_size=step) as simulation:
+            simulation.init(parameter_set=sets[0].name if sets else None)
+            for row in range(rows):
+                if row:
+                    simulation.step()
+                for name, values in found.items():
+                    values.append(simulation.get_real(name.replace(".", "::", 1)))
+            simulation.terminate()
+    columns = {name: np.array(values) for name, values in found.items()}
+    return {"time": times[0] + step * np.arange(rows)} | columns
+
+
 def main() -> int:
     """Run the side and write the answer."""
     side, task, answer = sys.argv[1:]
-    run = {"ours": ours, "fmpy": fmpy}[side]
+    run = {one.__name__: one for one in (ours, fmpy, package, table, ecos)}[side]
     columns: Columns = {}
     words, begun = "", time.perf_counter()
     try:
         columns = run(**json.loads(task))
     except Exception as fault:
-        words = f"{type(fault).__name__}: {fault}" if side != "ours" else str(fault)
+        words = f"{type(fault).__name__}: {fault}" if side in ("fmpy", "ecos") else str(fault)
         words = words or type(fault).__name__
     told = {"words": words, "seconds": time.perf_counter() - begun, "names": list(columns)}
     arrays: dict[str, Any] = {f"column{i}": v for i, v in enumerate(columns.values())}
