@@ -1,5 +1,7 @@
 """What other tools write a little beside the standard means what they mean, with a note."""
 
+import re
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -8,8 +10,8 @@ from harness.errors import ExperimentError
 from harness.ssp.package import open_package
 from harness.ssp.settings import fixed_step
 from harness.ssp.to_experiment import open_experiment
-from tests.harness.fmi.archives import oscillator_fmu
-from tests.harness.ssp.packages import Read, archive, component, connector, folder, ssd
+from tests.harness.fmi.archives import oscillator_fmu, rewritten
+from tests.harness.ssp.packages import UNITS, Read, archive, component, connector, folder, ssd
 
 CONNECTORS = connector("u", "input") + connector("y", "output")
 PLAIN = ssd(f"<ssd:Elements>{component('a', CONNECTORS)}</ssd:Elements>")
@@ -74,3 +76,38 @@ def test_the_demanded_interface_is_taken(tmp_path: Path) -> None:
     with open_experiment(archive(tmp_path / "p.ssp", files)) as experiment:
         spec = experiment.variant_spec("test")
     assert spec.components["a"].interface_type == "model-exchange"  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("unit", ["[m]", "m"])
+def test_a_unit_of_the_same_name_is_the_same(tmp_path: Path, unit: str) -> None:
+    wrong = UNITS.replace('<ssc:BaseUnit m="1"/>', '<ssc:BaseUnit m="2"/>')
+    value = (
+        "<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>"
+        f"<ssv:ParameterSet version='1.0' name='p'><ssv:Parameters><ssv:Parameter name='u'>"
+        f"<ssv:Real value='3' unit='{unit}'/></ssv:Parameter></ssv:Parameters>"
+        f"{wrong.replace('ssd:', 'ssv:')}</ssv:ParameterSet>"
+        "</ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>"
+    )
+    one = component("a", connector("u", "input", '<ssc:Real unit="m"/>'), value)
+    text = ssd(f"<ssd:Elements>{one}</ssd:Elements>", UNITS)
+    with pytest.warns(UserWarning, match="taken as they are"):
+        read = Read(folder(tmp_path, {"SystemStructure.ssd": text}))
+    assert read.starts["a"]["u"] == 3.0
+
+
+def test_the_default_step_of_an_fmu_is_shortened_to_divide_the_run(tmp_path: Path) -> None:
+    with zipfile.ZipFile(oscillator_fmu(2)) as opened:
+        text = opened.read("modelDescription.xml").decode()
+    assert "stepSize=" in text
+    odd = re.sub(r'stepSize="[^"]*"', 'stepSize="0.03333333333"', text).encode()
+    path = rewritten(oscillator_fmu(2), tmp_path / "odd.fmu", modelDescription_dot_xml=odd)
+    one = component("a", connector("position", "output"))
+    files = {
+        "SystemStructure.ssd": ssd(
+            f"<ssd:Elements>{one}</ssd:Elements>", '<ssd:DefaultExperiment stopTime="1"/>'
+        ),
+        "a.fmu": path.read_bytes(),
+    }
+    with pytest.warns(UserWarning, match="default step"):  # noqa: SIM117
+        with open_experiment(archive(tmp_path / "p.ssp", files)) as experiment:
+            assert experiment.variant_spec("test").step == 0.03125
