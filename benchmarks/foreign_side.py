@@ -96,6 +96,7 @@ def ecos(
     from ecospy import EcosSimulation
 
     from harness.fmi.sources import compiled as build
+    from harness.ssp.document import PARAMETER_SET_TYPE
     from harness.ssp.package import open_package
     from harness.ssp.parameters import ParameterSet
     from harness.ssp.tree import build_tree
@@ -107,7 +108,7 @@ def ecos(
         tree = build_tree(package, file, stack)
         bindings = [(one, node) for node in tree.fmus for one in node.element.bindings]
         sets = [
-            one.inline or node.scope.document(ParameterSet, one.source or "", "binding")
+            node.scope.content(ParameterSet, one, PARAMETER_SET_TYPE, str(node.source))
             for one, node in bindings
         ]
         folder = package.folder
