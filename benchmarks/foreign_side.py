@@ -114,14 +114,18 @@ def ecos(
         folder = package.folder
         if compiled and package.closed:
             for node in tree.fmus:
-                shutil.copyfile(build(node.source, validate=False), node.source)
+                if (made := build(node.source, validate=False)) != node.source:
+                    shutil.copyfile(made, node.source)
         with EcosSimulation(ssp_path=str(folder), step_size=step) as simulation:
             simulation.init(parameter_set=sets[0].name if sets else None)
             for row in range(rows):
                 if row:
                     simulation.step()
-                for name, values in found.items():
-                    values.append(simulation.get_real(name.replace(".", "::", 1)))
+                for name in list(found):
+                    try:
+                        found[name].append(simulation.get_real(name.replace(".", "::", 1)))
+                    except Exception:  # no real number
+                        del found[name]
             simulation.terminate()
     columns = {name: np.array(values) for name, values in found.items()}
     return {"time": times[0] + step * np.arange(rows)} | columns

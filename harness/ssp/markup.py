@@ -69,9 +69,11 @@ def parse(content: bytes, where: str) -> Any:
     docinfo: Any = root.getroottree().docinfo
     if docinfo.doctype:
         raise ExperimentError(f"{where} has a DOCTYPE, which SSP documents may not have")
-    if standard != content or root.get("version", "").startswith("Draft"):
+    drafts = [e for e in root.iter("*") if e.get("version", "").startswith("Draft")]
+    if standard != content or drafts:
         warn(f"{where} is of a draft of SSP; it is read as SSP 1.0", stacklevel=2)
-        root.set("version", "1.0")
+        for one in drafts:
+            one.set("version", "1.0")
     return root
 
 
