@@ -21,7 +21,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -99,6 +99,7 @@ def run_all(folders: list[Path]) -> Iterator[Row]:
 def run_every_way(case: Case, folders: list[Path]) -> Iterator[Row]:
     """The runs of one case in all ways: that of the plain driver, and those of the harness."""
     name, against = case.model.name, "published output"
+    expected: Mapping[str, Sequence[Any]]
     if case.kind == "scheduled-execution":
         expected, against = SCHEDULE, "its schedule"
     else:
@@ -160,7 +161,7 @@ def run_fmu(path: Path, folders: list[Path]) -> Iterator[Row]:
 def _against_file(path: Path, fmi: str, method: str, published: Path, **options: object) -> Row:
     stop, interval = GRID[path.stem]
     result = simulate(path, stop_time=stop, output_interval=interval, **options)  # type: ignore[arg-type]
-    shapes = {"y": (3,)} if path.stem == "StateSpace" else {}
+    shapes: dict[str, tuple[int, ...]] = {"y": (3,)} if path.stem == "StateSpace" else {}
     reference = read_reference(published, shapes)
     columns = [name for name in reference.columns if name in result]
     ours, theirs = _common(result, reference.time)

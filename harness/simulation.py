@@ -86,7 +86,7 @@ def simulate(
         d = opened.description
         settings = settle(request, d)
         chosen = tuple(Endpoint(d.name, v.name) for v in select(d, output_variables))
-        notes = [*opened.notes, *settings.notes]
+        notes = [*settings.notes]
         notes += [
             f"the variable 'time' was recorded as {bare_name(d.name, end.variable)!r}"
             for end in chosen

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.text import Text
 
-from harness.cli.options import AsJson, FmuFile, Validate
+from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.terminal import bar, console, say, say_json, table
 from harness.errors import HarnessError, UsageError
 
@@ -22,10 +22,13 @@ def doctor_command(
     as_json: AsJson = False,
     deadline: Annotated[float, typer.Option(help="Seconds that one check may take")] = 60.0,
     validate: Validate = True,
+    compile_: Compile = False,
 ) -> None:
     """Examine the behaviour of an FMU in a disposable process; exit code 1 when a check fails."""
+    from harness.fmi.sources import compiled
     from harness.inspection.doctor import examine
 
+    fmu = compiled(fmu, validate=validate) if compile_ else fmu
     if not deadline > 0:
         raise UsageError(f"--deadline {deadline:g} must be positive")
     if as_json:

@@ -12,7 +12,7 @@ from typing import Any
 from rich.cells import cell_len, set_cell_size
 from rich.table import Table
 
-from harness.cli.options import AsJson, FmuFile, Validate
+from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.terminal import console, properties
 from harness.fmi.description.model_description import (
     Capabilities,
@@ -21,12 +21,16 @@ from harness.fmi.description.model_description import (
     Variable,
 )
 from harness.fmi.fmu import Fmu
+from harness.fmi.sources import compiled
 
 _LIBRARIES = {".so", ".dll", ".dylib"}
 
 
-def info_command(fmu: FmuFile, as_json: AsJson = False, validate: Validate = True) -> None:
+def info_command(
+    fmu: FmuFile, as_json: AsJson = False, validate: Validate = True, compile_: Compile = False
+) -> None:
     """Show identity, capabilities and variables of an FMU."""
+    fmu = compiled(fmu, validate=validate) if compile_ else fmu
     with Fmu(fmu, validate=validate) as opened:
         description, sha256 = opened.description, opened.sha256
         platforms = _platforms(opened.folder)

@@ -23,6 +23,10 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON")]
 Validate = Annotated[
     bool, typer.Option(help="Refuse an FMU whose description leaves open what it means")
 ]
+Compile = Annotated[
+    bool,
+    typer.Option("--compile", help="Build a library from the FMU's sources where it lacks one"),
+]
 FmiLogging = Annotated[bool, typer.Option(help="Print the messages of FMUs")]
 CallTimeout = Annotated[
     float | None, typer.Option(help="Seconds that one call into an FMU may take")
@@ -61,6 +65,12 @@ def opened_experiment(name: str, changed: Mapping[str, Any] | None = None) -> It
             yield experiment
     else:
         yield Experiment.load(registry.experiment(name), changed)
+
+
+def for_fmus(pairs: Sequence[str] | None, validate: bool, build: bool) -> list[str]:
+    """`pairs` and those that flags about all FMUs of an experiment stand for."""
+    flags = ["validate_fmus=false"] * (not validate) + ["compile_fmus=true"] * build
+    return [*(pairs or ()), *flags]
 
 
 def settings(

@@ -36,12 +36,15 @@ def run_command(
     run_timeout: options.RunTimeout = None,
     memory_limit: options.MemoryLimit = None,
     isolate: options.Isolate = False,
+    validate: options.Validate = True,
+    compile_: options.Compile = False,
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
-    changed = options.settings(set_, {"limits": {**limits, "isolate": isolate or None}})
+    pairs = options.for_fmus(set_, validate, compile_)
+    changed = options.settings(pairs, {"limits": {**limits, "isolate": isolate or None}})
     with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
         for name in chosen:

@@ -61,6 +61,7 @@ def simulate_command(
         float, typer.Option(help="Half width of the band in value, relative to the range")
     ] = 0.01,
     validate: options.Validate = True,
+    compile_: options.Compile = False,
     allow_not_finite: Annotated[
         bool, typer.Option(help="Take NaN and infinity for values like others")
     ] = False,
@@ -72,6 +73,7 @@ def simulate_command(
     """Simulate one FMU. Cross-check files beside it are used where no option says otherwise."""
     from harness.cli.cross_check import beside, read_options
     from harness.fmi.fmu import Fmu
+    from harness.fmi.sources import compiled
     from harness.fmi.start_values import parse_assignment
     from harness.participants.settings import Request
     from harness.simulation import simulate
@@ -89,6 +91,7 @@ def simulate_command(
         input_file = driven
         note(f"inputs are taken from {driven}")
     limits = options.limits_of(call_timeout, run_timeout, memory_limit, isolate)
+    fmu = compiled(fmu, validate=validate) if compile_ else fmu
     with Fmu(fmu, validate=validate) as opened:
         if validate_against is not None and output_variables is None:
             output_variables = _recorded(opened, validate_against)

@@ -10,7 +10,15 @@ import typer
 from rich import box
 from rich.table import Table
 
-from harness.cli.options import Changes, ExperimentName, opened_experiment, settings
+from harness.cli.options import (
+    Changes,
+    Compile,
+    ExperimentName,
+    Validate,
+    for_fmus,
+    opened_experiment,
+    settings,
+)
 from harness.cli.terminal import console, say, table
 from harness.clock import show
 
@@ -26,6 +34,8 @@ def timing_command(
     experiment: ExperimentName,
     variant: Annotated[str | None, typer.Option(help="Variant; the first when absent")] = None,
     set_: Changes = None,
+    validate: Validate = True,
+    compile_: Compile = False,
 ) -> None:
     """Print the schedule of one cycle and, by pulsing the loop, the measured delays."""
     from harness.master.opened import opened
@@ -33,7 +43,7 @@ def timing_command(
     from harness.master.timing import measure_delays
     from harness.process.task import Teller, run_task
 
-    with opened_experiment(experiment, settings(set_)) as loaded:
+    with opened_experiment(experiment, settings(for_fmus(set_, validate, compile_))) as loaded:
         chosen = variant or loaded.variants[0]
         system = loaded.bench(chosen).system()
         with opened(system) as fmus:

@@ -14,6 +14,7 @@ from harness.errors import ExperimentError, HarnessError, at, nearest
 from harness.experiment.faults import checked, read_toml
 from harness.experiment.measures import custom, needed_signals, tracking
 from harness.experiment.schema import KINDS, ExperimentSpec
+from harness.fmi.sources import compiled
 from harness.master.prepared import Echo, PreparedSystem, StartValues
 from harness.master.run import Progress
 from harness.process.limits import Limits
@@ -119,8 +120,12 @@ class Experiment:
             given = c.model_dump(by_alias=True)
             kind = next(kind for kind in KINDS if kind in given)
             source, parameters = given.pop(kind), given.pop("parameters", {})
-            if kind == "fmu" and source.endswith(".fmu"):
-                source = self.path.parent / source
+            if kind == "fmu":
+                given["validate"] &= spec.validate_fmus
+                if source.endswith(".fmu"):
+                    source = self.path.parent / source
+                    if spec.compile_fmus:
+                        source = compiled(source, validate=given["validate"])
             if kind == "signal" and isinstance(parameters.get("file"), str):
                 parameters["file"] = str(self.path.parent / parameters["file"])
             add = getattr(bench, kind)

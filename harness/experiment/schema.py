@@ -284,6 +284,8 @@ class ExperimentSpec(Strict):
     seed: int = Field(default=0, ge=0)
     fmi_version: Literal[2, 3] = 3
     portable: bool = False
+    validate_fmus: bool = True
+    compile_fmus: bool = False
     components: dict[str, ComponentSpec] = Field(min_length=1)
     connections: dict[str, ConnectionSpec] = Field(default_factory=dict)
     variants: dict[str, VariantSpec] = Field(default_factory=dict)

@@ -55,7 +55,7 @@ def _in_loop(d: ModelDescription, kind: str) -> tuple[_Use, ...]:
         _Use("iterative", (c.RUNS, *returns), (c.FEEDTHROUGH, c.INTERPOLATES)),
         _Use("algebraic loops solved", (c.RUNS,), (c.FEEDTHROUGH,)),
         _Use("delays within a step", (c.RUNS,) if exchange else (c.RUNS, c.OTHER_STEPS)),
-        _Use("several instances in one run", (c.RUNS, c.TWICE)),
+        _Use("several instances in one run", (c.RUNS,), (c.TWICE,)),
         _Use("studies in one process", (c.RUNS, c.TWICE, c.REPEATS, c.SURVIVES)),
         _Use("resume", (c.RUNS, c.CONTINUES_ELSEWHERE), refused=unstored),
         _Use("sensitivity", (c.RUNS, c.DERIVATIVES), refused=stateless),

@@ -19,7 +19,7 @@ from typing import Any, Self
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
-from harness.master.opened import descriptions_of, opened
+from harness.master.opened import descriptions_of, only_once, opened
 from harness.master.plan.planner import Plan
 from harness.master.recorded import columns_of
 from harness.master.run import Progress, execute, plan_system
@@ -28,7 +28,6 @@ from harness.results.recording import Recording
 from harness.results.result import Result
 from harness.system.check import check
 from harness.system.graph import Component, Endpoint, FmuComponent, PythonComponent, System
-from harness.system.policy import capabilities_of
 
 Echo = Callable[[str, LogMessage], None]
 StartValues = Mapping[str, Mapping[str, Any]]
@@ -63,7 +62,9 @@ class PreparedSystem:
                 )
         records = tuple(FmuRecord(n, fmu.path.name, fmu.sha256) for n, fmu in self.fmus.items())
         seeds = {"seed": self.plan.lowered.system.seed if seed is None else seed}
-        return Manifest(self._columns, fmus=records, seeds=seeds, notes=self.plan.notes)
+        told = dict.fromkeys(note for fmu in self.fmus.values() for note in fmu.notes)
+        notes = (*told, *self.plan.notes)
+        return Manifest(self._columns, fmus=records, seeds=seeds, notes=notes)
 
     def run(
         self,
@@ -111,8 +112,7 @@ class PreparedSystem:
 
     def _remembers(self, component: Component) -> bool:
         if isinstance(component, FmuComponent):
-            d = self.fmus[component.name].description
-            return capabilities_of(component.policy, d).can_be_instantiated_only_once
+            return only_once(component, self.fmus[component.name].description)
         return isinstance(component, PythonComponent)
 
 

@@ -74,6 +74,7 @@ class DrivenParticipant(FmuParticipant):
         self.context.array(x.REACHED, told.reached)
         self.context.array(x.STOP_ASKED, told.stop_asked)
         self.context.array(x.FUNCTION, told.function)
+        self.instance.tell_experiment(start, stop, self.tolerance)
         self.set_start_values()
         self.inputs = read_inputs(self.instance.description, self.component.inputs, self.notes)
         self.clocks = Clocks(self.instance, start, self.inputs.clocks, self.notes)

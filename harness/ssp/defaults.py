@@ -75,19 +75,28 @@ def _step(
 ) -> float:
     hint = fixed_step(structure)
     fixed = [f for f in map(_fixed, fmus.values()) if f]
+    length = found["stop_time"] - found["start_time"]
     usual = [d.step_size for d in fmus.values() if d.step_size and d.step_size > 0.0]
     if hint is not None:
         step, origin = hint[0], f"from its annotation {hint[1]}"
     elif fixed:
         step, origin = max(fixed), "the longest fixed internal step of its FMUs"
     elif usual:
-        step, origin = min(usual), "the shortest default step of its FMUs"
+        step, origin = _dividing(min(usual), length), "the shortest default step of its FMUs"
     else:
-        step = (found["stop_time"] - found["start_time"]) / _STEPS
+        step = length / _STEPS
         origin = f"a {_STEPS}th of the run"
     step = _rounded(step)
     warn(f"{where} states no step: {step!r} s, {origin} (--set step=…)", stacklevel=2)
     return step
+
+
+def _dividing(step: float, length: float) -> float:
+    """The longest step up to `step` of which there is a whole number in the run (s)."""
+    run, longest = nearest_nanosecond(length), max(nearest_nanosecond(step), 1)
+    least = max(-(-run // longest), 1)
+    count = next((n for n in range(least, 2 * least) if run % n == 0), None)
+    return step if count is None else run / count / 1e9
 
 
 def _fixed(description: ModelDescription) -> float | None:

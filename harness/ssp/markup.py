@@ -6,8 +6,10 @@ Comments between elements that are understood are dropped.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
+from warnings import warn
 
 from lxml import etree
 
@@ -21,6 +23,15 @@ NAMESPACES: Mapping[str, str] = {
     "ssb": "http://ssp-standard.org/SSP1/SystemStructureSignalDictionary",
 }
 """The namespaces of SSP 1.0 and 2.0 alike, by the prefix that they have here."""
+
+OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+_WELL_KNOWN: Mapping[str, str] = {**NAMESPACES, "osp": OSP}
+"""What a prefix means that tools write without declaring it."""
+
+_BOM = b"\xef\xbb\xbf"
+
+_DRAFT = re.compile(rb"http://www\.pmsf\.net/xsd/(SystemStructure\w+)Draft(?=[\"'])")
+_ROOT = re.compile(rb"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<[^\s/>]+", re.DOTALL)
 
 MAX_XML_BYTES = 256 * 2**20
 MAX_DEPTH = 200
@@ -40,20 +51,44 @@ def shown(clark_name: str) -> str:
 
 
 def parse(content: bytes, where: str) -> Any:
-    """The root element; raises `ExperimentError` for what is no XML or not fit to be read."""
+    """The root element; raises `ExperimentError` for what is no XML or not fit to be read.
+
+    The namespaces of the drafts of SSP mean those of the standard, and a well-known prefix that
+    is not declared means what it means elsewhere, with a warning.
+    """
     if len(content) > MAX_XML_BYTES:
         raise ExperimentError(f"{where}: {len(content)} bytes; at most {MAX_XML_BYTES} are read")
     parser = etree.XMLParser(
         resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False, remove_pis=True
     )
+    standard = _DRAFT.sub(rb"http://ssp-standard.org/SSP1/\1", content)
     try:
-        root = etree.fromstring(content, parser)
+        root = etree.fromstring(_declared(standard, where), parser)
     except (etree.XMLSyntaxError, ValueError) as fault:
         raise ExperimentError(f"{where} is no readable XML: {fault}") from fault
     docinfo: Any = root.getroottree().docinfo
     if docinfo.doctype:
         raise ExperimentError(f"{where} has a DOCTYPE, which SSP documents may not have")
+    drafts = [e for e in root.iter("*") if e.get("version", "").startswith("Draft")]
+    if standard != content or drafts:
+        warn(f"{where} is of a draft of SSP; it is read as SSP 1.0", stacklevel=2)
+        for one in drafts:
+            one.set("version", "1.0")
     return root
+
+
+def _declared(content: bytes, where: str) -> bytes:
+    """`content` with declarations of the well-known prefixes that it uses and does not declare
+    anywhere."""
+    used = [p for p in _WELL_KNOWN if f"<{p}:".encode() in content]
+    missing = [p for p in used if f"xmlns:{p}=".encode() not in content]
+    root = _ROOT.match(content.removeprefix(_BOM)) if missing else None
+    if root is None:
+        return content
+    warn(f"{where} does not declare the prefix {' and '.join(missing)}; it is read as SSP's own",
+         stacklevel=3)  # fmt: skip
+    more = "".join(f' xmlns:{prefix}="{_WELL_KNOWN[prefix]}"' for prefix in missing)
+    return root[0] + more.encode() + content.removeprefix(_BOM)[root.end() :]
 
 
 def canonical(element: Any, where: str = "annotation") -> str:

@@ -2,7 +2,8 @@
 
 An archive is unpacked under the rules for FMU archives. What a description names by a URI is
 looked for relative to it: inside the package where that is an archive, and anywhere relative to
-a folder of the user's own. Absolute URIs and schemes are refused: nothing is downloaded.
+a folder of the user's own. Absolute URIs and schemes are refused: nothing is downloaded. The FMU
+that a proxy is to run (`proxyfmu://localhost?file=a.fmu`) is that file.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
-from urllib.parse import unquote, urlsplit
+from urllib.parse import parse_qs, unquote, urlsplit
+from warnings import warn
 
 from harness.errors import ExperimentError, FmuError, nearest
 from harness.export.certificate import zip_entry
@@ -24,6 +26,8 @@ from harness.ssp.binding import E
 from harness.ssp.document import SystemStructure
 
 DEFAULT = "SystemStructure.ssd"
+_PROXIES = ("proxyfmu", "fmu-proxy")
+"""Schemes by which libcosim and its kin run the FMU `?file=…` in another process."""
 
 
 class SspArchive(Archive):
@@ -58,6 +62,11 @@ class Package:
     def resolve(self, uri: str, base: Path | None = None) -> Path:
         """The file that a relative URI names, seen from `base` (the root of the package)."""
         parts = urlsplit(uri)
+        if parts.scheme in _PROXIES and (file := parse_qs(parts.query).get("file")):
+            warn(
+                f"{self.path}: {file[0]} runs here, not at {parts.netloc} by a proxy", stacklevel=2
+            )
+            parts = urlsplit(file[0])
         relative = unquote(parts.path)
         if parts.scheme or parts.netloc or relative.startswith("/") or "\\" in relative:
             raise ExperimentError(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from warnings import warn
 
-from harness.errors import ExperimentError
+from harness.errors import ExperimentError, UnitError
 from harness.ssp import document as ssd
 from harness.ssp.change import Change, Items, transformed
 from harness.ssp.common import KINDS, Transformation
@@ -42,7 +43,7 @@ class Value:
 
         Raises `ExperimentError` or `UnitError`.
         """
-        made = self.changed(Change().scaled(*exact_conversion(self.unit, port.unit)))
+        made = self.changed(Change().scaled(*_conversion(self.unit, port.unit)))
         unit = port.unit or (None if self.transformation else self.unit)
         if self.transformation is not None:
             source, target = self.items or port.items, port.items or self.items
@@ -55,6 +56,18 @@ class Value:
         if self.items is None or one not in self.items:
             raise ExperimentError(f"{one!r} is no number and no item of a known enumeration")
         return float(self.items[one])
+
+
+def _conversion(given: Unit | None, wanted: Unit | None) -> tuple[Fraction, Fraction]:
+    """Factor and offset; a unit that is defined wrongly or not at all and has the name of the
+    other one, perhaps in brackets, is that one, with a warning."""
+    try:
+        return exact_conversion(given, wanted)
+    except UnitError as fault:
+        if given is None or wanted is None or given.name.strip("[]") != wanted.name.strip("[]"):
+            raise
+        warn(f"values in {given.name!r} are taken as they are: {fault}", stacklevel=2)
+        return Fraction(1), Fraction(0)
 
 
 def bound_values(

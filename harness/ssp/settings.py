@@ -29,7 +29,7 @@ _TAG = f"{{{NAMESPACE}}}Settings"
 _SAFE_NAME = re.compile(r"[^\w .()+-]|^[. ]+")
 
 OSP_TYPE = "com.opensimulationplatform"
-OSP_NAMESPACE = ("osp", "http://opensimulationplatform.com/SSP/OSPAnnotations")
+OSP_NAMESPACE = ("osp", markup.OSP)
 """Prefix and namespace, to be declared by the root element: libcosim takes a declaration within
 `osp:Algorithm` for an algorithm that it does not know."""
 

@@ -3,7 +3,7 @@
 The structure, the wires and the start values are what the descriptions say; our annotations add
 what SSP has no words for. A component that stands for one of our controllers or signals runs in
 process, as it was before the export, unless its FMU or its parameters were changed since: then the
-FMU runs. Refused are model exchange, arrays of connectors and types that no wire carries.
+FMU runs. Refused are arrays of connectors and types that no wire carries.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 from warnings import warn
@@ -25,6 +25,7 @@ from harness.experiment.schema import (
     ExperimentSpec,
     SignalSpec,
 )
+from harness.fmi.binding.interface import MODEL_EXCHANGE, SCHEDULED_EXECUTION
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.ssp.change import as_float
@@ -72,7 +73,8 @@ def open_experiment(
     signals run, as they do in other tools.
     """
     with open_package(path) as package, ExitStack() as stack:
-        describe = cache(describe_fmu)
+        validate = (settings or {}).get("validate_fmus", True)
+        describe = cache(partial(describe_fmu, validate=validate))
         names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
@@ -89,9 +91,9 @@ def open_experiment(
         yield Experiment.from_data(data, package.path)
 
 
-def describe_fmu(path: Path) -> ModelDescription:
+def describe_fmu(path: Path, validate: bool = True) -> ModelDescription:
     """The description of an FMU; raises `FmuError`."""
-    with Fmu(path) as fmu:
+    with Fmu(path, validate=validate) as fmu:
         return fmu.description
 
 
@@ -163,10 +165,6 @@ class _Importer:
         place = f"{self.where}: component {'.'.join(node.path)}"
         own = settings_of(node.element.annotations, _COMPONENT, place)
         digest = own.pop("fmu_sha256", None)
-        if node.element.implementation in ("ModelExchange", "ScheduledExecution"):
-            raise ExperimentError(
-                f"{place} demands {node.element.implementation}; systems run FMUs in co-simulation"
-            )
         stands_for = next((k for k in ("controller", "signal") if k in own), None)
         if stands_for is not None and self.in_process:
             changed = digest is not None and digest != sha256(node.source)
@@ -180,6 +178,8 @@ class _Importer:
             what = "its FMU was exchanged" if changed else "it has parameters of its own"
             warn(f"{place} runs as an FMU, not in process: {what}", stacklevel=2)
         made: Table = {"fmu": str(node.source), **{k: own[k] for k in FMU_SETTINGS if k in own}}
+        if demanded := _INTERFACES.get(node.element.implementation):
+            made.setdefault("interface_type", demanded)
         if stands_for is not None and "sample_time" in own:
             made["step"] = own["sample_time"]
         return made | ({"start_values": starts} if starts else {})
@@ -218,6 +218,10 @@ class _Importer:
             return conversion(said[0], said[1]) == conversion(known[0], known[1])
         except UnitError:
             return False
+
+
+_INTERFACES = {"ModelExchange": MODEL_EXCHANGE, "ScheduledExecution": SCHEDULED_EXECUTION}
+"""What is not co-simulation, which is taken where an FMU offers it."""
 
 
 def flat_names(tree: Tree) -> dict[TreePath, str]:

@@ -150,6 +150,10 @@ HARMLESS: dict[str, Change] = {
         3, 'modelName="hostile"', 'modelName="hostile" generationDateAndTime="today"', "'today' is"
     ),
     "empty list": (2, "<ModelVariables>", "<LogCategories/><ModelVariables>", "Missing child"),
+    "annotations behind others": (
+        3, "</ModelVariables>", "</ModelVariables><Annotations><Annotation type='a'/></Annotations>",
+        "'Annotations': This element is not expected"
+    ),
     "continuous integer": (2, "<Real start=\"0\"/>", "<Integer start=\"0\"/>", "must have variab"),
     "parameter that is continuous": (
         2, 'causality="parameter" variability="fixed"', 'causality="parameter"', "not allowed"

@@ -114,6 +114,7 @@ class Fmi2Instance(Fmi1Or2Instance):
     """An instance of an FMI 2.0 FMU."""
 
     prefix, boolean, event_info, types = "fmi2", ctypes.c_int, _EventInfo, PLAIN_TYPES
+    _told = False
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
         s, i = ctypes.c_char_p, ctypes.c_int
@@ -138,9 +139,18 @@ class Fmi2Instance(Fmi1Or2Instance):
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """fmi2SetupExperiment and fmi2EnterInitializationMode."""
-        self.call("SetupExperiment", *self.experiment(start_time, stop_time, tolerance))
+        """fmi2EnterInitializationMode, after fmi2SetupExperiment where that is yet to come."""
+        if not self._told:
+            self.tell_experiment(start_time, stop_time, tolerance)
+        self._told = False
         self.call("EnterInitializationMode")
+
+    def tell_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """fmi2SetupExperiment."""
+        self.call("SetupExperiment", *self.experiment(start_time, stop_time, tolerance))
+        self._told = True
 
     def asks_for_the_end(self) -> bool:
         """fmi2GetBooleanStatus(fmi2Terminated), after a step that was discarded."""

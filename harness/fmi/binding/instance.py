@@ -157,6 +157,12 @@ class FmuInstance(ABC):
 
     # life cycle
 
+    def tell_experiment(  # noqa: B027  # FMI 1 and 3 have no such call
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """In FMI 2 the times are told by a call of its own, after which FMUs may forget what was
+        set before: to be called before start values are set."""
+
     @abstractmethod
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None

@@ -52,9 +52,7 @@ def platform_tuple() -> str:
 
 def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     """The library for this platform; raises `FmuError` naming the platforms that are there."""
-    names = [platform_tuple()]
-    if fmi_major < 3 and (names[0].startswith("x86_64") or sys.platform == "darwin"):
-        names.insert(0, _FMI2_FOLDER.get(sys.platform, names[0]))
+    names = _folders(fmi_major)
     suffix = _SUFFIX.get(sys.platform, ".so")
     binaries = folder / "binaries"
     for name in names:
@@ -70,8 +68,22 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     sources = (folder / "sources").is_dir() and not here
     raise FmuError(
         f"FMU has no library {model_identifier}{suffix} for {' or '.join(names)}; it has {found}"
-        + (" (and sources, from which its maker can build one)" if sources else "")
+        + (" (and sources: --compile builds one)" if sources else "")
     )
+
+
+def _folders(fmi_major: int) -> list[str]:
+    """The folders of `binaries` that this platform reads, the usual one first."""
+    names = [platform_tuple()]
+    if fmi_major < 3 and (names[0].startswith("x86_64") or sys.platform == "darwin"):
+        names.insert(0, _FMI2_FOLDER.get(sys.platform, names[0]))
+    return names
+
+
+def library_member(model_identifier: str, fmi_major: int) -> str:
+    """Where in an FMU a library for this platform lies."""
+    suffix = _SUFFIX.get(sys.platform, ".so")
+    return f"binaries/{_folders(fmi_major)[0]}/{model_identifier}{suffix}"
 
 
 def instantiating(kind: InterfaceType) -> str:

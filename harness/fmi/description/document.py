@@ -31,6 +31,7 @@ _UNUSED = ("generationDateAndTime", "variableNamingConvention", "dependenciesKin
 _LISTS = re.compile(
     r"Element '(UnitDefinitions|TypeDefinitions|LogCategories|InitialUnknowns|Outputs|Derivatives|"
     r"SourceFiles|VendorAnnotations)': Missing child"
+    r"|Element '(Annotations|VendorAnnotations)': This element is not expected"
 )
 
 
@@ -128,7 +129,8 @@ def _portions(root: Any) -> Iterator[None]:
 
 
 def _is_harmless(entry: Any) -> bool:
-    """An attribute that the standard does not know or nobody reads, or an empty list."""
+    """An attribute that the standard does not know or nobody reads, an empty list, or annotations
+    in another place."""
     if entry.type_name == "SCHEMAV_CVC_COMPLEX_TYPE_3_2_1":
         return True
     return any(f"attribute '{name}'" in entry.message for name in _UNUSED) or bool(
