@@ -31,7 +31,8 @@ _WELL_KNOWN: Mapping[str, str] = {**NAMESPACES, "osp": OSP}
 _BOM = b"\xef\xbb\xbf"
 
 _DRAFT = re.compile(rb"http://www\.pmsf\.net/xsd/(SystemStructure\w+)Draft(?=[\"'])")
-_ROOT = re.compile(rb"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<[^\s/>]+", re.DOTALL)
+# atomic: however many comments a hostile document has, they are tried once
+_ROOT = re.compile(rb"\s*+(?>(?:<\?.*?\?>|<!--.*?-->)\s*+)*+<[^\s/>]+", re.DOTALL)
 
 MAX_XML_BYTES = 256 * 2**20
 MAX_DEPTH = 200

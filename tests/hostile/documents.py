@@ -151,7 +151,8 @@ HARMLESS: dict[str, Change] = {
     ),
     "empty list": (2, "<ModelVariables>", "<LogCategories/><ModelVariables>", "Missing child"),
     "annotations behind others": (
-        3, "</ModelVariables>", "</ModelVariables><Annotations><Annotation type='a'/></Annotations>",
+        3, "</ModelVariables>",
+        "</ModelVariables><Annotations><Annotation type='a'/></Annotations>",
         "'Annotations': This element is not expected"
     ),
     "continuous integer": (2, "<Real start=\"0\"/>", "<Integer start=\"0\"/>", "must have variab"),

@@ -83,7 +83,9 @@ def _declared(output: Endpoint, d: ModelDescription, initially: bool) -> tuple[s
     names = d.feedthrough.get(variable.name)
     if initially:
         names = d.initial_feedthrough.get(variable.name, names)
-    return () if names is None and variable.causality != "output" else names
+    # slaves of FMI 1 compute their outputs in doStep; some have none between a set and that
+    slave = d.fmi_major == 1 and d.co_simulation is not None
+    return () if names is None and (slave or variable.causality != "output") else names
 
 
 @dataclass
