@@ -82,6 +82,8 @@ class Moved(Protocol):
 def bar(name: str) -> Iterator[Moved]:
     """While open, the error stream shows the progress of a task: name, bar, share, time gone and
     time left."""
+    from harness.compiler.machine_code import announcing
+
     text, share = TextColumn("{task.description}", markup=False), "{task.percentage:3.0f} %"
     columns = text, BarColumn(), TextColumn(share), TimeElapsedColumn(), TimeRemainingColumn()
     with Progress(*columns, console=console(stderr=True)) as shown:
@@ -90,4 +92,8 @@ def bar(name: str) -> Iterator[Moved]:
         def moved(share: float, at: str = name) -> None:
             shown.update(task, description=at, completed=share)
 
-        yield moved
+        def compiling(what: str) -> None:
+            shown.update(task, description=f"{name}: compiling {what}, once on this machine")
+
+        with announcing(compiling):
+            yield moved

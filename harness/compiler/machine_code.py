@@ -16,8 +16,8 @@ import os
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from types import FunctionType
@@ -31,6 +31,18 @@ from numba.core.sigutils import normalize_signature
 F = TypeVar("F", bound=Callable[..., Any])
 _APPLICATION = "fmu-harness"
 _quiet = False
+_announce: Callable[[str], object] = str
+
+
+@contextmanager
+def announcing(announce: Callable[[str], object]) -> Iterator[None]:
+    """While open, `announce` is told what is about to be compiled, which can take some seconds."""
+    global _announce
+    before, _announce = _announce, announce
+    try:
+        yield
+    finally:
+        _announce = before
 
 
 def compiled(function: F) -> F:
@@ -143,17 +155,21 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         """Code of ours also depends on the modules whose functions and constants are frozen into
         it, which numba does not look at."""
         super().__init__(function)
+        self._function = function
         if Path(function.__code__.co_filename).is_relative_to(_HOUSE):
             self._cache_file._source_stamp = self._cache_file._source_stamp, _stamp()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What is kept, or None; pickled code that is damaged can raise anything, and goes."""
+        found = None
         try:
-            return super().load_overload(sig, target_context)
+            found = super().load_overload(sig, target_context)
         except Exception:
             with suppress(OSError):
                 self.flush()
-            return None
+        if found is None:
+            _announce(getattr(self._function, "called", self._function.__name__))
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep it where that is possible."""

@@ -92,12 +92,17 @@ def sizes(block: Block) -> tuple[int, ...]:
 
 
 _compiled: dict[str, Any] = {}
+_parts: dict[str, Any] = {}
+"""What steps are made of, by fingerprint: what several have in common is compiled once."""
+_BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Parts of a step are called by compiled code alone."""
 
 
 def _compile(function: FunctionType, name: str) -> Any:
-    scope = {**globals(), "step": rebuilt(function, name, {})}
+    scope = {**globals(), "step": rebuilt(function, "parts", _parts, **_BARE)}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
+    entry.__dict__["called"] = f"{function.__module__}.{function.__name__}"
     try:
         return cached_callback(entry, _SIGNATURE, error_model="numpy")
     except NumbaError as fault:
@@ -196,10 +201,12 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
     )
 
 
-def rebuilt(function: FunctionType, step: str, done: dict[int, Any], **options: bool) -> Any:
+def rebuilt(function: FunctionType, step: str, done: dict[str, Any], **options: bool) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions;
-    `options` of numba's apply to all of them, `done` are those that there are already."""
-    if id(function) not in done:
+    `options` of numba's apply to all of them, `done` are those that there are already, by their
+    fingerprints."""
+    key = step_fingerprint(function)
+    if key not in done:
         helpers = {
             name: rebuilt(helper, step, done, **options)
             for name, helper in _helpers(function).items()
@@ -209,8 +216,8 @@ def rebuilt(function: FunctionType, step: str, done: dict[int, Any], **options: 
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
-        done[id(function)] = njit(plain, error_model="numpy", **options)
-    return done[id(function)]
+        done[key] = njit(plain, error_model="numpy", **options)
+    return done[key]
 
 
 def _refuse(function: FunctionType) -> None:
