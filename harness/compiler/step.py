@@ -99,7 +99,7 @@ _BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def _compile(function: FunctionType, name: str) -> Any:
-    scope = {**globals(), "step": rebuilt(function, "parts", _parts, **_BARE)}
+    scope = {**globals(), "step": rebuilt(function, "", _parts, **_BARE)}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     entry.__dict__["called"] = f"{function.__module__}.{function.__name__}"
@@ -204,7 +204,8 @@ def _identity(function: FunctionType, name: str, value: Any) -> str:
 def rebuilt(function: FunctionType, step: str, done: dict[str, Any], **options: bool) -> Any:
     """`function`, as a part of `step`, as a numba function whose helpers are numba functions;
     `options` of numba's apply to all of them, `done` are those that there are already, by their
-    fingerprints."""
+    fingerprints. Without a `step` names are made of those: code that was cached by two processes
+    meets in a third by its names."""
     key = step_fingerprint(function)
     if key not in done:
         helpers = {
@@ -212,7 +213,7 @@ def rebuilt(function: FunctionType, step: str, done: dict[str, Any], **options: 
             for name, helper in _helpers(function).items()
         }
         scope = {**function.__globals__, **helpers}
-        own = f"{function.__name__}_in_{step}"
+        own = f"{function.__name__}_in_{step or key[:24]}"
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
