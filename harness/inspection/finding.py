@@ -40,12 +40,6 @@ class Finding:
         """Plain values for JSON."""
         return asdict(self) | {"verdict": str(self.verdict), "lies": list(self.lies)}
 
-    @classmethod
-    def from_data(cls, data: dict[str, Any]) -> Finding:
-        """The finding that `as_data` wrote."""
-        changed = {"verdict": Verdict(data["verdict"]), "lies": tuple(data["lies"])}
-        return cls(**{**data, **changed})
-
 
 def passed(detail: str, **data: Any) -> Finding:
     """A finding of a check that passed."""
