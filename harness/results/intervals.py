@@ -33,11 +33,6 @@ class PairedDifference:
     pairs: int
     left_out: int
 
-    @property
-    def distinct(self) -> bool:
-        """Whether the interval excludes 0."""
-        return self.low > 0.0 or self.high < 0.0
-
 
 def paired_difference(
     first: Sequence[float | None] | Array,
