@@ -34,8 +34,8 @@ from harness.system.policy import interface
 
 _END = "lets its process end"
 
-Progress = Callable[[str, int, int], None]
-"""Called with the name of the check that begins, its number, and how many there are."""
+Progress = Callable[[float, str], None]
+"""Called with the share that is done of an interface, and the name of the check that begins."""
 
 
 @dataclass
@@ -142,7 +142,7 @@ class Examination:
     def _tell(self, name: str) -> None:
         every = list(CHECKS[self.interface_type] | ELSEWHERE)
         if self.progress is not None:
-            self.progress(f"{self.interface_type}: {name}", every.index(name), len(every))
+            self.progress(every.index(name) / len(every), f"{self.interface_type}: {name}")
 
 
 def _become_examiner(words: Path, task: Sequence[str], connection: Connection) -> None:
