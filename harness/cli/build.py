@@ -12,7 +12,8 @@ import typer
 from harness import registry
 from harness.cli.options import settings
 from harness.cli.terminal import say
-from harness.errors import HarnessError, UsageError, nearest
+from harness.errors import UsageError, nearest
+from harness.results.atomic import atomic_write, writing
 
 if TYPE_CHECKING:
     from harness.export.find import FoundBlock
@@ -113,11 +114,8 @@ def _built(
 
 
 def _copy(built: Path, target: Path) -> None:
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(built, target)
-    except OSError as fault:
-        raise HarnessError(f"{target} cannot be written: {fault}") from fault
+    with writing(f"{target} cannot be written", target.parent), atomic_write(target) as partial:
+        shutil.copyfile(built, partial)
     size = target.stat().st_size / 1024
     say(f"{target}  {size:.0f} KiB")
 

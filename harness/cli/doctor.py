@@ -36,10 +36,7 @@ def doctor_command(
         say_json(found.as_data())
     else:
         with bar("examination") as moved:
-            found = examine(
-                fmu, deadline=deadline, validate=validate,
-                progress=lambda name, k, n: moved(k / n, name),
-            )  # fmt: skip
+            found = examine(fmu, deadline=deadline, validate=validate, progress=moved)
             moved(1.0)
         _show(found)
     if not found.healthy:

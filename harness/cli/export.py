@@ -37,9 +37,8 @@ def export_command(
 
         rewrite_package(Path(experiment), output, variant or (), changed)
     else:
-        from harness.export.controller import controller_fmu
         from harness.ssp.from_experiment import export_experiment
 
         with opened_experiment(experiment, changed) as loaded:
-            export_experiment(loaded, output, variant or loaded.variants, controller_fmu)
+            export_experiment(loaded, output, variant or loaded.variants)
     say(f"written: {output}")

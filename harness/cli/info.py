@@ -16,6 +16,7 @@ from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.terminal import console, properties
 from harness.fmi.description.model_description import (
     Capabilities,
+    LayeredStandard,
     ModelDescription,
     Terminal,
     Variable,
@@ -90,19 +91,17 @@ def _identity(d: ModelDescription, sha256: str, platforms: tuple[str, ...]) -> T
         ("sha256", sha256),
         ("platforms", ", ".join(platforms) or "none"),
         *((kind, _capabilities(c, kind == "co-simulation")) for kind, c in kinds.items()),
-        *(
-            (
-                "layered standard",
-                f"{s.name} {s.version}" + f" ({s.description})" * bool(s.description),
-            )
-            for s in d.layered_standards
-        ),
+        *(("layered standard", _standard(one)) for one in d.layered_standards),
         ("default experiment", shown or "none"),
         ("states", _state_names(d)),
     ]
     if d.model_exchange is not None:
         rows.append(("event indicators", str(events)))
     return properties(d.name, rows)
+
+
+def _standard(s: LayeredStandard) -> str:
+    return f"{s.name} {s.version}" + f" ({s.description})" * bool(s.description)
 
 
 def _state_names(d: ModelDescription) -> str:

@@ -24,7 +24,7 @@ def list_command() -> None:
         "imperfections of wires": {name: _first_line(k) for name, k in IMPERFECTIONS.items()},
     }
     for title, rows in tables.items():
-        console().print(properties(title, rows))
+        console().print(properties(title, rows.items()))
 
 
 def _first_line(thing: Any) -> str:

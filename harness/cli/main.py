@@ -67,18 +67,12 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-app.command("list")(listing.list_command)
-app.command("run")(run.run_command)
-app.command("resume")(run.resume_command)
-app.command("reproduce")(reproduce.reproduce_command)
-app.command("build")(build.build_command)
-app.command("export")(export.export_command)
-app.command("simulate")(simulate.simulate_command)
-app.command("info")(info.info_command)
-app.command("doctor")(doctor.doctor_command)
-app.command("validate")(validate.validate_command)
-app.command("timing")(timing.timing_command)
-app.command("verify")(verify.verify_command)
+for command in (
+    listing.list_command, run.run_command, run.resume_command, reproduce.reproduce_command,
+    build.build_command, export.export_command, simulate.simulate_command, info.info_command,
+    doctor.doctor_command, validate.validate_command, timing.timing_command, verify.verify_command,
+):  # fmt: skip
+    app.command(command.__name__.removesuffix("_command"))(command)
 
 
 def main(arguments: list[str] | None = None) -> None:

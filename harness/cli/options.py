@@ -79,15 +79,17 @@ def settings(
     """The tables that `pairs` stand for, both sides as in TOML, the value else as a string:
     `seed=7`, `components.plant.step=0.005`, `connections."plant.command".delay=0.01`. Over them go
     those of `flags` that are not None. Raises `UsageError` for what is no such pair."""
+    from harness.experiment.experiment import merge
+
     found: dict[str, Any] = {}
     for pair in pairs or ():
         key, equals, text = pair.partition("=")
         if not equals or not key.strip():
             raise UsageError(f"--set {pair!r} must have the form key=value, as in --set seed=7")
-        _into(found, _parse(pair, key, text))
+        found = merge(found, _parse(pair, key, text), components=False)
     for table, values in (flags or {}).items():
         if given := {name: value for name, value in values.items() if value is not None}:
-            _into(found, {table: given})
+            found = merge(found, {table: given}, components=False)
     return found
 
 
@@ -100,11 +102,3 @@ def _parse(pair: str, key: str, text: str) -> dict[str, Any]:
     raise UsageError(
         f"--set {pair!r}: {key!r} is no key; join names by dots, quote those with dots"
     )
-
-
-def _into(found: dict[str, Any], given: dict[str, Any]) -> None:
-    for key, value in given.items():
-        if isinstance(value, dict) and isinstance(found.get(key), dict):
-            _into(found[key], value)
-        else:
-            found[key] = value

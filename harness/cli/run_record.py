@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
@@ -46,23 +46,18 @@ class RunRecord:
             content["package"] = {"settings": self.settings, "sha256": _digest(path)}
         text = json.dumps(content, indent=2, default=str) + "\n"
         with writing(f"cannot make the run folder {folder}", folder, way_out=ANOTHER_FOLDER):
+            file = folder / RUN_FILE
             try:
-                with (folder / RUN_FILE).open("x", encoding="utf-8") as file:
-                    _write_or_remove(file, text)
+                with file.open("x", encoding="utf-8") as opened:
+                    opened.write(text)
             except FileExistsError as fault:
                 raise RecordingError(
                     f"the run folder {folder} holds a run already; nothing was changed in it: "
                     f"choose another folder, or go on with it by `fmu-harness resume {folder}`"
                 ) from fault
-
-
-def _write_or_remove(file: TextIO, text: str) -> None:
-    try:
-        file.write(text)
-        file.flush()
-    except OSError:
-        Path(file.name).unlink(missing_ok=True)
-        raise
+            except OSError:
+                file.unlink(missing_ok=True)
+                raise
 
 
 @contextmanager

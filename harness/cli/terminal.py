@@ -4,7 +4,7 @@ elsewhere, lines, tables and bars in which no text is taken for markup."""
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol
 
@@ -63,10 +63,9 @@ def table(
     return made
 
 
-def properties(title: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) -> Table:
+def properties(title: str, rows: Iterable[tuple[str, str]]) -> Table:
     """Names in bold, each with what there is to say of it."""
-    pairs = rows.items() if isinstance(rows, Mapping) else rows
-    made = table(("", ""), ((Text(name, style="bold"), text) for name, text in pairs), title=title)
+    made = table(("", ""), ((Text(name, style="bold"), text) for name, text in rows), title=title)
     made.show_header, made.columns[0].no_wrap = False, True
     return made
 

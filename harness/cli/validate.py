@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from rich.text import Text
 
 from harness.cli.options import AsJson, FmuFile
@@ -18,7 +20,7 @@ def validate_command(fmu: FmuFile, as_json: AsJson = False) -> None:
 
     problems = validate(fmu)
     if as_json:
-        say_json([problem.as_data() for problem in problems])
+        say_json([asdict(problem) for problem in problems])
     elif problems:
         rows = (
             (Text(str(p.severity), style=_STYLES[str(p.severity)]), p.place, p.text, p.rule)

@@ -20,7 +20,7 @@ from harness.experiment.faults import checked, read_toml
 from harness.experiment.schema import Strict
 from harness.experiment.study import LOST, Study
 from harness.experiment.sweep import Region
-from harness.results.intervals import paired_difference, share
+from harness.results.intervals import Estimate, paired_difference, share
 
 HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
 UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
@@ -131,32 +131,13 @@ class ClaimsSpec(Strict):
 
 
 @dataclass(frozen=True)
-class Figure:
-    """A figure from runs: mean (or the one value) with its interval, and from how many runs."""
-
-    value: float
-    low: float
-    high: float
-    runs: int
-    missing: int = 0
-
-    def __str__(self) -> str:
-        if self.runs == 0:
-            return "–"
-        text = f"{self.value:.3g}"
-        if self.low != self.high:
-            text += f" [{self.low:.3g}, {self.high:.3g}]"
-        return text + (f" ({self.missing} of {self.runs} without)" if self.missing else "")
-
-
-@dataclass(frozen=True)
 class Verdict:
     """A claim with what the runs say of it; `given` belongs to the condition."""
 
     claim: ClaimSpec
     verdict: str
-    ours: Figure | None = None
-    given: Figure | None = None
+    ours: Estimate | None = None
+    given: Estimate | None = None
 
 
 @dataclass(frozen=True)
@@ -191,14 +172,13 @@ def judge(claim: ClaimSpec, evidence: Source) -> Verdict:
     return Verdict(claim, {True: HOLDS, False: FAILS, None: UNDECIDED}[met], ours, given)
 
 
-def figure(test: CriterionSpec, evidence: Source) -> Figure:
+def figure(test: CriterionSpec, evidence: Source) -> Estimate:
     """The figure that a test is about; raises `UsageError` for a name that no run has, and where
     what is to be paired has not the same seeds."""
     seeds, values = _values(test.own, evidence)
     if test.other == test.own:
         if test.metric in (LOST, REGION) and seeds:
-            s = share([bool(value) for value in values])
-            return Figure(s.share, s.low, s.high, len(values))
+            return share([bool(value) for value in values])
         return _summary(values)
     other_seeds, others = _values(test.other, evidence)
     if seeds != other_seeds:
@@ -244,18 +224,16 @@ def _known(kind: str, name: str, known: Collection[str], place: Place) -> None:
         raise UsageError(f"{place.experiment}: no {kind} {name!r}; {nearest(name, known)}")
 
 
-def _summary(values: Sequence[float | None]) -> Figure:
+def _summary(values: Sequence[float | None]) -> Estimate:
     numbers = [v for v in values if v is not None and np.isfinite(v)]
-    missing = len(values) - len(numbers)
-    if len(numbers) < 2:
-        one = float(numbers[0]) if numbers else np.nan
-        runs = 0 if not numbers and len(values) == 1 else len(values)
-        return Figure(one, one, one, runs, missing)
-    mean = paired_difference(numbers, np.zeros(len(numbers)))
-    return Figure(mean.mean, mean.low, mean.high, len(values), missing)
+    if len(numbers) > 1:
+        return paired_difference(values, np.zeros(len(values)))
+    one = float(numbers[0]) if numbers else np.nan
+    runs = 0 if not numbers and len(values) == 1 else len(values)
+    return Estimate(one, one, one, runs, len(values) - len(numbers))
 
 
-def _met(test: CriterionSpec, found: Figure) -> bool | None:
+def _met(test: CriterionSpec, found: Estimate) -> bool | None:
     """Whether the whole interval meets the limit; None where it lies across. A figure that does
     not exist in most runs (a loop that never settles) meets none."""
     if found.runs == 0 or 2 * found.missing >= max(found.runs, 1) or np.isnan(found.value):

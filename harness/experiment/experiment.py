@@ -18,7 +18,7 @@ from harness.fmi.sources import compiled
 from harness.master.prepared import Echo, PreparedSystem, StartValues
 from harness.master.run import Progress
 from harness.process.limits import Limits
-from harness.results.manifest import has_run, is_complete
+from harness.results.manifest import COMPLETE, run_state
 from harness.results.recording import read_recording
 from harness.results.result import Result
 
@@ -167,15 +167,15 @@ class Experiment:
         in `folder` is read, and one that ended early goes on.
         """
         spec = self.variant_spec(variant)
-        begun = resume and folder is not None and has_run(Path(folder))
-        if begun and folder is not None and is_complete(Path(folder)):
+        state = run_state(Path(folder)) if resume and folder is not None else ""
+        if state == COMPLETE and folder is not None:
             return self.measured(read_recording(Path(folder)), spec)
         bench = self.bench(variant, seed=seed)
         try:
             result = bench.run(
                 folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
                 needed=needed_signals(spec), limits=limits or spec.run_limits(),
-                in_process=in_process, resume=begun,
+                in_process=in_process, resume=bool(state),
             )  # fmt: skip
         except HarnessError as fault:
             if fault.result is not None:

@@ -148,7 +148,7 @@ def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
         for variant in study.runs:
             medians = (median(study.values(variant, m)) if m in known else "" for m in metrics)
             s = study.lost(variant)
-            lost = f"{100 * s.share:.0f} % [{100 * s.low:.0f}, {100 * s.high:.0f}]"
+            lost = f"{100 * s.value:.0f} % [{100 * s.low:.0f}, {100 * s.high:.0f}]"
             yield (
                 name,
                 study.experiment.label(variant),

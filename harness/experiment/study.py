@@ -21,7 +21,7 @@ from harness.experiment.parallel import Workers
 from harness.experiment.repeated import Metrics, Point, run_points
 from harness.experiment.schema import StudySpec
 from harness.results.atomic import atomic_write, writing
-from harness.results.intervals import PairedDifference, Share, paired_difference, share
+from harness.results.intervals import Estimate, paired_difference, share
 
 LOST = "lost_loop"
 
@@ -45,12 +45,12 @@ class Study:
         """A metric of one variant over the seeds."""
         return [metrics.get(metric) for metrics in self.runs[variant]]
 
-    def difference(self, variant: str, metric: str) -> PairedDifference:
+    def difference(self, variant: str, metric: str) -> Estimate:
         """variant − baseline, paired by seed, at the study's confidence."""
         first, second = (self.values(one, metric) for one in (variant, self.spec.baseline))
         return paired_difference(first, second, confidence=self.spec.confidence)
 
-    def lost(self, variant: str) -> Share:
+    def lost(self, variant: str) -> Estimate:
         """The share of runs in which the variant loses the loop."""
         happened = [bool(metrics.get(LOST, not metrics)) for metrics in self.runs[variant]]
         return share(happened, confidence=self.spec.confidence)
@@ -113,7 +113,7 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
         means.add_row(
             experiment.label(variant),
             *(median(study.values(variant, metric)) for metric in spec.metrics),
-            f"{lost.share:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
+            f"{lost.value:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
         )
         if variant != spec.baseline:
             cells = [_difference(study, variant, metric) for metric in spec.metrics]
@@ -133,4 +133,4 @@ def _difference(study: Study, variant: str, metric: str) -> str:
         d = study.difference(variant, metric)
     except HarnessError:
         return "–"
-    return f"{d.mean:+.3g} [{d.low:+.3g}, {d.high:+.3g}]"
+    return f"{d.value:+.3g} [{d.low:+.3g}, {d.high:+.3g}]"

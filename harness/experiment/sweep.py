@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -24,7 +23,7 @@ from harness.experiment.parallel import Workers
 from harness.experiment.repeated import Metrics, Point, run_points
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.atomic import atomic_write, writing
-from harness.results.plots import axis_label
+from harness.results.plots import axis_label, new_figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +98,9 @@ def region_plot(experiment: Experiment, regions: dict[str, Region]) -> Figure:
     is in the title of the whole."""
     width = min(len(regions), 3)
     height = -(-len(regions) // width)
-    figure = Figure(figsize=(3.4 * width + 0.6, 3.4 * height + 0.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
     sweep = _spec(experiment)
-    figure.suptitle(f"{experiment.spec.title}\ngrid of {sweep.x.count} × {sweep.y.count} points")
+    title = f"{experiment.spec.title}\ngrid of {sweep.x.count} × {sweep.y.count} points"
+    figure = new_figure((3.4 * width + 0.6, 3.4 * height + 0.6), title)
     panels = figure.subplots(height, width, squeeze=False).ravel()
     for panel in panels[len(regions) :]:
         panel.set_visible(False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Self
 
 from harness.fmi.archive.unpack import Archive
 from harness.fmi.binding.fmi1 import Fmi1Instance
@@ -19,7 +18,7 @@ from harness.fmi.description.reader import read_model_description
 _KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi3Instance}
 
 
-class Fmu:
+class Fmu(Archive):
     """An unpacked FMU: `description` is what it says of itself, `sha256` its hash, `faults` are
     those of the description that were let pass, and `notes` sentences about them.
 
@@ -29,10 +28,7 @@ class Fmu:
     def __init__(self, path: str | Path, *, validate: bool = True) -> None:
         """Unpack and read; raises `FmuError`. Without `validate`, faults of the description that
         do not keep it from being read are let pass."""
-        self.path = Path(path)
-        self._archive = Archive(self.path)
-        self.sha256 = self._archive.sha256
-        self.folder = self._archive.folder
+        super().__init__(Path(path))
         try:
             self.description, self.faults = read_model_description(
                 self.folder, self.path, validate=validate
@@ -66,10 +62,4 @@ class Fmu:
     def close(self) -> None:
         """Unload the library where no instance is left, and remove the unpacked files."""
         unload_below(self.folder)
-        self._archive.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        super().close()

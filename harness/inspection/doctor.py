@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +57,7 @@ class Diagnosis:
             "sha256": self.sha256,
             "fmi_version": self.description.fmi_version,
             "healthy": self.healthy,
-            "findings": [f.as_data() for f in self.findings],
+            "findings": [asdict(f) for f in self.findings],
             "lies": list(self.lies),
             "allowed": {a.use: a.allowed for a in self.allowances},
             "reasons": {a.use: a.reason for a in self.allowances if not a.allowed},

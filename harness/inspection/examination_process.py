@@ -1,43 +1,93 @@
-"""The processes of an examination: started, watched, ended.
+"""The workers of an examination: what they do, and what is made of their ends.
 
-The checks of a kind of interface run one after the other in one process. Where that process dies,
-hangs or takes too much memory, the check that ran then has failed, and a new process goes on with
-the rest. This module loads no library of the FMU itself, so whatever the FMU does, the caller
-lives.
+The checks of a kind of interface run one after the other in one worker. Where it dies, hangs or
+takes too much memory, the check that ran then has failed, and a new worker goes on with the rest.
+A worker runs a program of its own (`examiner`): in the copies of one process, addresses and memory
+that was never set would look alike. This module loads no library of the FMU itself, so whatever
+the FMU does, the caller lives.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import signal
-import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
-from harness.fmi.archive.temporary import temporary_folder
+from harness.errors import HarnessError, SimulationError
+from harness.fmi.fmu import Fmu
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
-from harness.inspection.finding import Finding, Verdict, failed, passed
+from harness.inspection.finding import Finding, Verdict, VerdictError, failed, passed
 from harness.inspection.snapshots import left_behind
-from harness.process.fork import memory_of
+from harness.inspection.subject import Subject
+from harness.process.fork import available
 from harness.process.limits import Limits, show_memory
+from harness.process.marker import Marker
+from harness.process.watch import Watch
+from harness.system.policy import interface
 
-_POLL = 0.02  # s
 _END = "lets its process end"
 
-Progress = Callable[[str, int, int], None]
-"""Called with the name of the check that begins, its number, and how many there are."""
+Progress = Callable[[float, str], None]
+"""Called with the share that is done of an interface, and the name of the check that begins."""
+
+
+@dataclass
+class Round:
+    """What a worker tells: the checks that it has `found` out, and that which is `running`.
+
+    The deadline is that of the FMU, no code of which runs before the first check begins.
+    """
+
+    deadline: float
+    progress: Callable[[str], None]
+    found: list[Finding] = field(default_factory=list)
+    running: str = ""
+    since: float = math.inf
+
+    def begins(self, check: str) -> None:
+        """A check begins."""
+        self.running, self.since = check, time.monotonic()
+        self.progress(check)
+
+    def ends(self, finding: Finding) -> None:
+        """The running check has ended."""
+        self.running, self.since = "", time.monotonic()
+        self.found.append(finding)
+
+    def look(self, share: float) -> None:
+        """Raises `SimulationError` beyond the deadline."""
+        if time.monotonic() - self.since > self.deadline:
+            raise SimulationError(f"no end within {self.deadline:g} s")
+
+
+def examine(
+    path: Path, scratch: Path, kind: str, names: Sequence[str], tell: Callable[..., None]
+) -> None:
+    """Run the checks called `names`, in order, and have methods of a `Round` called; who asks for
+    them has judged the description."""
+    with Fmu(path, validate=False) as fmu:
+        subject = Subject(fmu, interface(kind, fmu.description), scratch)
+        for name in names:
+            tell(Round.begins, name)
+            try:
+                finding = (CHECKS[kind] | ELSEWHERE)[name](subject)
+            except VerdictError as end:
+                finding = end.finding
+            except HarnessError as fault:
+                finding = failed(str(fault))
+            tell(Round.ends, replace(finding, check=name, interface_type=kind))
 
 
 @dataclass(frozen=True)
 class Examination:
-    """The examination of one kind of interface; `scratch` is shared by its processes."""
+    """The examination of one kind of interface; `scratch` is shared by its workers."""
 
     path: Path
     interface_type: str
@@ -46,15 +96,14 @@ class Examination:
     progress: Progress | None
 
     def findings(self, names: list[str]) -> Iterator[Finding]:
-        """Those of the checks called `names`, in as many processes as it takes."""
+        """Those of the checks called `names`, by as many workers as it takes."""
         left = list(names)
         while left:
-            first = left[0]
-            for finding in self.one_process(left):
-                if finding.check in left:
-                    left = left[left.index(finding.check) + 1 :]
-                yield replace(finding, interface_type=self.interface_type)
-            assert not left or left[0] != first  # each process settles one check at least
+            found = self._one_worker(left)
+            settled = sum(finding.check in left for finding in found)
+            assert settled, "each worker settles one check at least"
+            left = left[settled:]
+            yield from found
 
     def elsewhere(self, before: list[Finding]) -> Iterator[Finding]:
         """What a fresh process makes of what the first one has left."""
@@ -65,82 +114,45 @@ class Examination:
             compare = finding.check == REPEATS_ELSEWHERE
             yield _compared(digest, finding) if compare else finding
 
-    def one_process(self, names: list[str]) -> Iterator[Finding]:
-        """Findings until the process has ended, by itself or not.
-
-        The deadline is that of the FMU, no code of which runs before the first check begins.
-        """
-        with temporary_folder() as folder:
-            out, words = folder / "findings", folder / "words"
-            out.touch()
-            process = self._start(out, words, names)
-            running, left, since, position = "", list(names), math.inf, 0
-            detail, ended = "", False
-            try:
-                while not (detail or ended):
-                    ended = process.poll() is not None
-                    lines, position = _new_lines(out, position)
-                    for line in lines:
-                        since = time.monotonic()
-                        if "begins" in line:
-                            running = line["begins"]
-                            self._tell(running)
-                        else:
-                            running, left = "", left[1:]
-                            yield Finding.from_data(line)
-                    if not ended:
-                        detail = self._excess(process.pid, time.monotonic() - since)
-                        time.sleep(_POLL)
-            finally:
-                _end(process)
-            if ended and (process.returncode or left):
-                detail = _death(process.returncode, words.read_text("utf-8", "replace"))
-            if detail:
-                yield replace(failed(detail), check=running or (left or [_END])[0])
-
-    def _excess(self, pid: int, seconds: float) -> str:
-        """What the process has used too much of, as a phrase, or ""."""
-        if seconds > self.deadline:
-            return f"no end within {self.deadline:g} s"
-        most = Limits().memory_bytes
-        over = most is not None and memory_of(pid) > most
-        return f"held more than {show_memory(most)} of memory" if most and over else ""
+    def _one_worker(self, names: list[str]) -> list[Finding]:
+        """Findings until the worker has ended, by itself or not."""
+        told, words = Round(self.deadline, self._tell), self.scratch / "words"
+        if not available():
+            examine(self.path, self.scratch, self.interface_type, names,
+                    lambda method, given: method(told, given))  # fmt: skip
+            return told.found
+        limits = Limits(call=None, checkpoint=None)
+        watch = Watch(limits, Marker(), told, told.look)
+        task = (str(self.path), str(self.scratch), self.interface_type, *names)
+        watch.follow(partial(_become_examiner, words, task))
+        if not isinstance(watch.fault, SimulationError):
+            raise watch.fault or AssertionError("a worker of the doctor ends without a last word")
+        left = names[len(told.found) :]
+        detail = str(watch.fault)
+        if watch.exceeded:
+            detail = f"held more than {show_memory(limits.memory_bytes or 0)} of memory"
+        elif watch.died:
+            detail = _death(watch.code or 0, words.read_text("utf-8", "replace"))
+        if watch.died and not (watch.exceeded or watch.code or left):
+            return told.found
+        told.ends(replace(failed(detail), check=told.running or (left or [_END])[0],
+                          interface_type=self.interface_type))  # fmt: skip
+        return told.found
 
     def _tell(self, name: str) -> None:
         every = list(CHECKS[self.interface_type] | ELSEWHERE)
         if self.progress is not None:
-            self.progress(f"{self.interface_type}: {name}", every.index(name), len(every))
-
-    def _start(self, out: Path, words: Path, names: list[str]) -> subprocess.Popen[bytes]:
-        """The process; what it unpacks goes away with the folder of `out`, and it has a group of
-        its own with all that the FMU starts."""
-        where = (str(self.path), str(out), str(self.scratch), self.interface_type)
-        command = [sys.executable, "-m", "harness.inspection.examiner", *where, *names]
-        host = os.environ | {"TMPDIR": str(out.parent)}
-        with words.open("wb") as file:
-            return subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=host,
-                start_new_session=True,
-            )  # fmt: skip
+            self.progress(every.index(name) / len(every), f"{self.interface_type}: {name}")
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End the process and all that it started."""
-    if hasattr(os, "killpg"):
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    process.kill()
-    process.wait()
-
-
-def _new_lines(out: Path, position: int) -> tuple[list[dict[str, Any]], int]:
-    """Whole lines after byte `position`, and the position after them."""
-    with out.open("rb") as file:
-        file.seek(position)
-        whole, _, _ = file.read().rpartition(b"\n")
-    if not whole:
-        return [], position
-    return [json.loads(line) for line in whole.splitlines()], position + len(whole) + 1
+def _become_examiner(words: Path, task: Sequence[str], connection: Connection) -> None:
+    """Go on as another program, whose output goes to the file `words`."""
+    os.set_inheritable(connection.fileno(), True)
+    with words.open("wb") as file:
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)
+    program = (sys.executable, "-m", "harness.inspection.examiner")
+    os.execv(sys.executable, (*program, str(connection.fileno()), *task))
 
 
 def _death(code: int, words: str) -> str:

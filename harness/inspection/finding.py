@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -35,16 +35,6 @@ class Finding:
     lies: tuple[str, ...] = ()
     data: dict[str, Any] = field(default_factory=dict)
     interface_type: str = ""
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self) | {"verdict": str(self.verdict), "lies": list(self.lies)}
-
-    @classmethod
-    def from_data(cls, data: dict[str, Any]) -> Finding:
-        """The finding that `as_data` wrote."""
-        changed = {"verdict": Verdict(data["verdict"]), "lies": tuple(data["lies"])}
-        return cls(**{**data, **changed})
 
 
 def passed(detail: str, **data: Any) -> Finding:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
-from typing import Any
 
 PLACE = "modelDescription.xml"
 _SHOWN = 5
@@ -27,10 +26,6 @@ class Problem:
     place: str
     text: str
     rule: str = ""
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return asdict(self) | {"severity": str(self.severity)}
 
 
 error = partial(Problem, Severity.ERROR)

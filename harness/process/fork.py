@@ -57,12 +57,6 @@ def memory_of(pid: int) -> int:
     return int(held) * os.sysconf("SC_PAGE_SIZE")
 
 
-def die_with_parent() -> None:
-    """From now on this process is killed when the one that started it ends; on Linux only."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-
-
 class WorkerProcess:
     """A forked worker that runs `work(connection)`; `connection` is the supervisor's end."""
 
@@ -177,7 +171,7 @@ def _settle(folder: Path, supervisor: int) -> None:
     already_isolated()
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
-    die_with_parent()
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != supervisor:
         os._exit(0)
     _leave_at_once_on_exit()

@@ -36,7 +36,8 @@ Look = Callable[[float], None]
 
 class Watch:
     """One worker and what is known of it: `done` is its last message, None where it sent none,
-    `fault` what ended the work early, `died` whether that was not the work itself."""
+    `fault` what ended the work early, `died` whether that was not the work itself: `exceeded` is
+    the limit beyond which the worker was ended, else `code` its exit code, or minus its signal."""
 
     def __init__(
         self,
@@ -51,7 +52,8 @@ class Watch:
         self.limits, self.marker = limits, marker
         self.fault: BaseException | None = None
         self.done: Done | None = None
-        self.died = False
+        self.died, self.exceeded = False, ""
+        self.code: int | None = None
         self._receiver, self._notice = receiver, look
         self._calls = sentence.Calls(files)
 
@@ -82,7 +84,7 @@ class Watch:
         if self.fault is None and self.done is None:
             where, log = self.marker.where(), self.marker.log_lines()
             self.fault = SimulationError(sentence.death(self._calls, where, code, log))
-            self.died = True
+            self.died, self.code = True, code
         elif self.fault is None and self.done is not None and self.done.fault:
             self.fault = unpacked(self.done.fault)
 
@@ -139,9 +141,9 @@ class Watch:
     def _look(self, worker: WorkerProcess, deadlines: Deadlines) -> None:
         """See how far the worker is, and whether limits are kept."""
         where, held, linked = self.marker.where(), memory_of(worker.pid), self._calls.linked
-        if self._notice is not None and linked is not None:
-            self.attempt(self._notice, min(1.0, where.cycle / linked.cycles))
+        if self._notice is not None:
+            self.attempt(self._notice, min(1.0, where.cycle / linked.cycles) if linked else 0.0)
         if limit := deadlines.exceeded(where, held):
-            log = self.marker.log_lines()
+            self.exceeded, log = limit, self.marker.log_lines()
             told = sentence.excess(limit, self._calls, where, self.limits, held, log)
             self.fault, self.died = SimulationError(told), True

@@ -19,24 +19,26 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PairedDifference:
-    """Mean of first − second over `pairs` pairs with its interval [`low`, `high`] at `confidence`.
+class Estimate:
+    """A figure of `runs` with its interval [`low`, `high`]: a mean, a share, or the one value.
 
-    `left_out` counts the pairs without a number on either side (such as "never settled"); read
-    the mean with them in mind.
+    `missing` counts the runs without a number (such as "never settled"); read the figure with
+    them in mind.
     """
 
-    mean: float
+    value: float
     low: float
     high: float
-    confidence: float
-    pairs: int
-    left_out: int
+    runs: int
+    missing: int = 0
 
-    @property
-    def distinct(self) -> bool:
-        """Whether the interval excludes 0."""
-        return self.low > 0.0 or self.high < 0.0
+    def __str__(self) -> str:
+        if self.runs == 0:
+            return "–"
+        text = f"{self.value:.3g}"
+        if self.low != self.high:
+            text += f" [{self.low:.3g}, {self.high:.3g}]"
+        return text + (f" ({self.missing} of {self.runs} without)" if self.missing else "")
 
 
 def paired_difference(
@@ -44,7 +46,7 @@ def paired_difference(
     second: Sequence[float | None] | Array,
     *,
     confidence: float = 0.95,
-) -> PairedDifference:
+) -> Estimate:
     """The mean difference first − second of paired values, in their unit: mean ± t_{n−1}·s/√n,
     exact for normal differences, good for many pairs.
 
@@ -60,26 +62,10 @@ def paired_difference(
         raise UsageError(f"at least 2 pairs of numbers are needed, got {len(d)} of {len(a)}")
     mean, error = float(np.mean(d)), float(stats.sem(d))
     half = float(stats.t.ppf(0.5 + 0.5 * confidence, len(d) - 1)) * error
-    return PairedDifference(mean, mean - half, mean + half, confidence, len(d), len(a) - len(d))
+    return Estimate(mean, mean - half, mean + half, len(a), len(a) - len(d))
 
 
-@dataclass(frozen=True)
-class Share:
-    """`count` of `runs` with the Wilson interval [`low`, `high`] of the share at `confidence`."""
-
-    count: int
-    runs: int
-    low: float
-    high: float
-    confidence: float
-
-    @property
-    def share(self) -> float:
-        """count/runs."""
-        return self.count / self.runs
-
-
-def share(happened: Sequence[bool], *, confidence: float = 0.95) -> Share:
+def share(happened: Sequence[bool], *, confidence: float = 0.95) -> Estimate:
     """The share of runs in which something happened.
 
     The Wilson interval, with z the normal quantile and p = count/n:
@@ -91,7 +77,7 @@ def share(happened: Sequence[bool], *, confidence: float = 0.95) -> Share:
         raise UsageError("a share needs at least one run, got none")
     count, runs = int(np.count_nonzero(happened)), len(happened)
     interval = stats.binomtest(count, runs).proportion_ci(confidence, method="wilson")
-    return Share(count, runs, float(interval.low), float(interval.high), confidence)
+    return Estimate(count / runs, float(interval.low), float(interval.high), runs)
 
 
 def _check_confidence(confidence: float) -> None:

@@ -95,14 +95,9 @@ def read_manifest(folder: Path) -> Manifest:
         raise RecordingError(f"{path} cannot be read as a manifest: {fault!r}") from fault
 
 
-def has_run(folder: Path) -> bool:
-    """Whether a run was begun in `folder`."""
-    return (folder / FILE_NAME).exists()
-
-
-def is_complete(folder: Path) -> bool:
-    """Whether the run in `folder` reached its stop time; raises `RecordingError`."""
-    return read_manifest(folder).status.state == COMPLETE
+def run_state(folder: Path) -> str:
+    """The state of the run in `folder`, "" where none was begun; raises `RecordingError`."""
+    return read_manifest(folder).status.state if (folder / FILE_NAME).exists() else ""
 
 
 def software_versions() -> dict[str, str]:

@@ -19,9 +19,7 @@ from harness.ssp.lexical import FORMS
 from harness.ssp.parameters import Parameter, ParameterSet, ParameterValue, ValueItem
 from harness.ssp.ports import unit_of
 from harness.system.graph import Endpoint
-from harness.system.units import Unit, conversion
-
-_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+from harness.system.units import BASE_UNITS, Unit, conversion
 
 
 class Describer:
@@ -113,7 +111,7 @@ class Describer:
 
 
 def _definition(unit: Unit) -> UnitDefinition:
-    exponents: dict[str, Any] = dict(zip(_BASE, unit.exponents or (0,) * 8, strict=True))
+    exponents: dict[str, Any] = dict(zip(BASE_UNITS, unit.exponents or (0,) * 8, strict=True))
     base = BaseUnit(**exponents, factor=unit.factor, offset=unit.offset)
     return UnitDefinition(name=unit.name, base=base)
 

@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 from warnings import warn
 
 from harness.clock import show, to_seconds
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
+from harness.export.controller import controller_fmu
 from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
 from harness.ssp.describe import Describer, unit_change
@@ -27,28 +28,10 @@ from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name, unique
 from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, describe_fmu, sha256
 from harness.system import graph
-from harness.system.block import Block
 
 Table = dict[str, Any]
 
 _STRUCTURE = {"components", "connections", "variants", "extends", "stop_time", "start_time"}
-
-
-class BlockFmu(Protocol):
-    """Makes the FMU of a block; `sample_time` and `phase` in seconds."""
-
-    def __call__(
-        self,
-        block: Block,
-        name: str,
-        sample_time: float,
-        fmi_version: int = 3,
-        *,
-        phase: float = 0.0,
-        portable: bool = False,
-    ) -> Path:
-        """The path of the FMU, `portable` for one with Python inside; raises `HarnessError`."""
-        ...
 
 
 @dataclass
@@ -68,9 +51,7 @@ class Resources:
         return self.members[content]
 
 
-def export_experiment(
-    experiment: Experiment, target: Path, variants: Sequence[str], block_fmu: BlockFmu
-) -> None:
+def export_experiment(experiment: Experiment, target: Path, variants: Sequence[str]) -> None:
     """Write variants of an experiment as a package, the first as its default.
 
     Raises `ExperimentError` with one line for each variant that cannot be exported.
@@ -80,7 +61,7 @@ def export_experiment(
     for variant in variants:
         file = f"{safe_name(variant)}.ssd" if structures else DEFAULT
         try:
-            exporter = _Exporter(experiment, variant, tuple(variants), resources, block_fmu)
+            exporter = _Exporter(experiment, variant, tuple(variants), resources)
             structures[file] = exporter.structure(first=not structures)
         except HarnessError as fault:
             faults.append(f"{experiment.name} ({variant}) cannot be exported: {fault}")
@@ -97,7 +78,6 @@ class _Exporter:
     variant: str
     variants: tuple[str, ...]
     resources: Resources
-    block_fmu: BlockFmu
 
     def __post_init__(self) -> None:
         self.spec = self.experiment.variant_spec(self.variant)
@@ -164,7 +144,7 @@ class _Exporter:
                 f"component {c.name} is plain Python, of which no FMU can be made; write it as a "
                 "block with step(p, x, u, y), as the README of the controllers shows"
             )
-        return self.block_fmu(
+        return controller_fmu(
             sequence_block(c, self.system) if isinstance(c, graph.SignalComponent) else c.block,
             c.name,
             to_seconds(c.period_ns),

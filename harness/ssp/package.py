@@ -14,7 +14,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 from urllib.parse import parse_qs, unquote, urlsplit
 from warnings import warn
 
@@ -28,19 +27,6 @@ from harness.ssp.document import SystemStructure
 DEFAULT = "SystemStructure.ssd"
 _PROXIES = ("proxyfmu", "fmu-proxy")
 """Schemes by which libcosim and its kin run the FMU `?file=…` in another process."""
-
-
-class SspArchive(Archive):
-    """An unpacked `.ssp`."""
-
-    ROOT: ClassVar[str] = DEFAULT
-
-    def __init__(self, path: Path) -> None:
-        """Check and unpack `path`; raises `ExperimentError` when it is broken or hostile."""
-        try:
-            super().__init__(path)
-        except FmuError as fault:
-            raise ExperimentError(str(fault).replace("FMU", "SSP", 1)) from fault
 
 
 @dataclass(frozen=True)
@@ -95,7 +81,10 @@ def open_package(path: str | Path) -> Iterator[Package]:
             return
         folder, closed = path, False
         if not path.is_dir():
-            folder, closed = stack.enter_context(SspArchive(path)).folder, True
+            try:
+                folder, closed = stack.enter_context(Archive(path, DEFAULT)).folder, True
+            except FmuError as fault:
+                raise ExperimentError(str(fault).replace("FMU", "SSP", 1)) from fault
         elif not (path / DEFAULT).is_file():
             raise ExperimentError(f"folder {path} has no {DEFAULT}; it is no unpacked SSP")
         others = sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT)

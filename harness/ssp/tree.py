@@ -23,7 +23,7 @@ from harness.ssp import document as ssd
 from harness.ssp.binding import E
 from harness.ssp.package import DEFAULT, Package, open_package, read_document
 from harness.ssp.parameters import Dictionary, ParameterSet
-from harness.system.units import Unit, parse_unit
+from harness.system.units import BASE_UNITS, Unit, parse_unit
 
 MAX_ELEMENTS = 100_000
 MAX_NESTING = 60
@@ -37,7 +37,7 @@ class Definitions:
         self._units = {}
         for one in document.units:
             b = one.base
-            exponents = (b.kg, b.m, b.s, b.A, b.K, b.mol, b.cd, b.rad)
+            exponents = tuple(getattr(b, name) for name in BASE_UNITS)
             self._units[one.name] = Unit(one.name, exponents, b.factor, b.offset)
         self._enumerations = {
             one.name: {item.name: item.value for item in one.items} for one in document.enumerations

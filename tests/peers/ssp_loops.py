@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from harness import registry
 from harness.experiment.experiment import Experiment, merge
-from harness.export.controller import controller_fmu
 from harness.ssp.from_experiment import export_experiment
 from tests.peers.order import Order, run_in
 
@@ -41,7 +40,7 @@ def experiment(
 
 def exported(one: Experiment, variant: str, folder: Path) -> Path:
     target = folder / f"{variant}.ssp"
-    export_experiment(one, target, [variant], controller_fmu)
+    export_experiment(one, target, [variant])
     return target
 
 

@@ -63,7 +63,7 @@ def _same(first: zipfile.ZipInfo, second: zipfile.ZipInfo) -> bool:
     return bool(told(first) == told(second))
 
 
-def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str = DESCRIPTION) -> None:
+def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str) -> None:
     """Raise `FmuError` for an archive without its description, saying where one is instead."""
     for member in members:
         place = PurePosixPath(member.filename)

@@ -18,10 +18,10 @@ import weakref
 import zipfile
 import zlib
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import Self
 
 from harness.errors import FmuError
-from harness.fmi.archive.checks import check_members, check_root
+from harness.fmi.archive.checks import DESCRIPTION, check_members, check_root
 from harness.fmi.archive.temporary import make_folder
 from harness.fmi.wording import shorten
 
@@ -43,12 +43,10 @@ _PIECE = 2**18
 class Archive:
     """An unpacked FMU: `folder` holds its files, `sha256` is the hash of the archive."""
 
-    ROOT: ClassVar[str] = "modelDescription.xml"
-    """The document at the root without which the archive is none of this kind."""
-
-    def __init__(self, path: Path) -> None:
-        """Check and unpack `path`; raises `FmuError` when it is missing, broken or hostile."""
-        self.path = Path(path)
+    def __init__(self, path: Path, root: str = DESCRIPTION) -> None:
+        """Check and unpack `path`, which must hold the document `root`; raises `FmuError` when it
+        is missing, broken or hostile."""
+        self.path = path
         self.sha256 = _hash(self.path)
         try:
             self.folder = make_folder()
@@ -56,12 +54,12 @@ class Archive:
             raise FmuError(f"FMU {self.path}: no folder to unpack it into: {fault}") from fault
         self._finalizer = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         try:
-            self._unpack()
+            self._unpack(root)
         except BaseException:
             self.close()
             raise
 
-    def _unpack(self) -> None:
+    def _unpack(self, root: str) -> None:
         try:
             with zipfile.ZipFile(self.path) as archive:
                 members = archive.infolist()
@@ -72,8 +70,8 @@ class Archive:
                     left -= self._extract(archive, member, left)
         except _BROKEN as fault:
             raise FmuError(f"FMU {self.path} cannot be unpacked: {_reason(fault)}") from fault
-        if not (self.folder / self.ROOT).is_file():
-            check_root(self.path, members, self.ROOT)
+        if not (self.folder / root).is_file():
+            check_root(self.path, members, root)
 
     def _check_size(self, members: list[zipfile.ZipInfo]) -> None:
         total = sum(member.file_size for member in members)

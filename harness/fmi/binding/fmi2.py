@@ -14,8 +14,10 @@ from harness.errors import FmuError
 from harness.fmi.binding.instance import (
     CO_SIMULATION,
     DISCARD,
+    MODEL_EXCHANGE,
     DiscreteStates,
     FmuInstance,
+    InterfaceType,
     StepOutcome,
 )
 from harness.fmi.binding.logger import C_LIBRARY, variadic_logger
@@ -23,7 +25,7 @@ from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES
 
 _PENDING = 5
 _DO_STEP_STATUS, _LAST_SUCCESSFUL_TIME, _TERMINATED = 0, 2, 3  # of fmi2StatusKind
-_MODEL_EXCHANGE_KIND, _CO_SIMULATION_KIND = 0, 1  # of fmi2Type
+_FMI2_TYPES: dict[InterfaceType, int] = {MODEL_EXCHANGE: 0, CO_SIMULATION: 1}
 
 
 PLAIN_TYPES: dict[str, tuple[str, Any]] = {
@@ -118,23 +120,13 @@ class Fmi2Instance(Fmi1Or2Instance):
 
     def _instantiate(self, folder: Path, logging: bool) -> int | None:
         s, i = ctypes.c_char_p, ctypes.c_int
-        self._callbacks = _Callbacks(
-            variadic_logger(), *memory(), None, self._environment
-        )  # lives as long as the instance
-        return self.create(
-            "Instantiate",
-            s(self.name.encode()),
-            i(
-                _CO_SIMULATION_KIND
-                if self.interface_type == CO_SIMULATION
-                else _MODEL_EXCHANGE_KIND
-            ),
-            s(self.description.token.encode()),
-            s((folder / "resources").as_uri().encode()),
-            ctypes.c_void_p(ctypes.addressof(self._callbacks)),
-            i(0),
-            i(logging),
-        )
+        # lives as long as the instance
+        self._callbacks = _Callbacks(variadic_logger(), *memory(), None, self._environment)
+        callbacks = ctypes.c_void_p(ctypes.addressof(self._callbacks))
+        named, token = s(self.name.encode()), s(self.description.token.encode())
+        place = s((folder / "resources").as_uri().encode())
+        kind = i(_FMI2_TYPES[self.interface_type])
+        return self.create("Instantiate", named, kind, token, place, callbacks, i(0), i(logging))
 
     def enter_initialization_mode(
         self, start_time: float, stop_time: float | None, tolerance: float | None

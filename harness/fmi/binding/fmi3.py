@@ -33,9 +33,9 @@ _CLOCK_UPDATE = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
 _PREEMPTION = ctypes.CFUNCTYPE(None)
 
 
-def _unlocked() -> tuple[Any, Any]:
+@_PREEMPTION  # type: ignore[untyped-decorator]
+def _unlocked() -> None:
     """lockPreemption and unlockPreemption: partitions run one after the other."""
-    return _PREEMPTION(lambda: None), _PREEMPTION(lambda: None)
 
 
 class Fmi3Instance(FmuInstance):
@@ -56,7 +56,7 @@ class Fmi3Instance(FmuInstance):
             modes = b(self.event_mode), b(self.early_return), p(None), ctypes.c_size_t(0)
             others = (p(None),)
         elif self.interface_type == SCHEDULED_EXECUTION:
-            self._callbacks = (_CLOCK_UPDATE(self._count_update), *_unlocked())
+            self._callbacks = (_CLOCK_UPDATE(self._count_update), _unlocked, _unlocked)
             others = self._callbacks
         return self.create(
             instantiating(self.interface_type),

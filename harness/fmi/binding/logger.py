@@ -53,17 +53,12 @@ class LogMessage:
 class MessageLog:
     """The last `MOST_MESSAGES` messages of an instance; `echo` sees each as it arrives.
 
-    `count` is the number of all messages so far, `dropped` that of those no longer kept.
+    `count` is the number of all messages so far.
     """
 
     echo: Callable[[LogMessage], None] | None = None
     messages: deque[LogMessage] = field(default_factory=lambda: deque(maxlen=MOST_MESSAGES))
     count: int = 0
-
-    @property
-    def dropped(self) -> int:
-        """How many messages came and are no longer kept."""
-        return self.count - len(self.messages)
 
     def add(self, status: int, category: bytes | None, text: bytes | None) -> None:
         """Keep a message; anything that is no text is replaced, and no exception leaves."""

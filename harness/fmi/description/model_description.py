@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
+
+import numpy as np
 
 from harness.errors import FmuError, UsageError, nearest
 from harness.system.units import Unit
@@ -17,6 +20,7 @@ REAL_TYPES = frozenset({"Real", "Float64", "Float32"})
 MAX_ELEMENTS = 10**7
 """Elements of an array, and of all that a description states, together."""
 NUMERIC_TYPES = REAL_TYPES | INTEGER_TYPES | {"Boolean"}
+_ELEMENT = re.compile(r"(.+)\[([1-9]\d{0,17}(?:,[1-9]\d{0,17})*)\]", re.ASCII | re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -291,20 +295,15 @@ class _Elements(Mapping[str, tuple[Variable, int]]):
         self._arrays = [v for v in variables.values() if v.shape]
 
     def __getitem__(self, name: str) -> tuple[Variable, int]:
-        base, _, indices = name.removesuffix("]").rpartition("[")
-        array = self._variables.get(base)
-        if array is None or not array.shape or name in self._variables:
+        match = _ELEMENT.fullmatch(name)
+        array = self._variables.get(match[1]) if match else None
+        if match is None or array is None or name in self._variables:
             raise KeyError(name)
-        place, given = 0, indices.split(",")
-        if len(given) != len(array.shape) or not all(map(str.isdecimal, given)):
-            raise KeyError(name)
-        for index, length in zip(map(int, given), array.shape, strict=True):
-            if not 1 <= index <= length:
-                raise KeyError(name)
-            place = place * length + index - 1
-        if name != f"{base}[{','.join(str(int(index)) for index in given)}]":
-            raise KeyError(name)
-        return array, place
+        try:
+            index = [int(one) - 1 for one in match[2].split(",")]
+            return array, int(np.ravel_multi_index(index, array.shape))
+        except ValueError:
+            raise KeyError(name) from None
 
     def __iter__(self) -> Iterator[str]:
         names = (name for v in self._arrays for name in element_names(v.name, v.shape))

@@ -15,7 +15,7 @@ experiment = Experiment.from_data(TEXT, Path("estimator.toml"))
 
 
 def lost(*runs: dict[str, float | None]) -> float:
-    return Study(experiment, (0, 1), {"run": runs}).lost("run").share
+    return Study(experiment, (0, 1), {"run": runs}).lost("run").value
 
 
 def test_a_run_with_its_metrics_is_kept() -> None:

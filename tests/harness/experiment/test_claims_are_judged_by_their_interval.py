@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, Figure, figure, judge
+from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, figure, judge
 from harness.experiment.experiment import Experiment
 from harness.experiment.schema import SweepSpec
 from harness.experiment.study import LOST, Study
 from harness.experiment.sweep import Region
+from harness.results.intervals import Estimate
 
 EXPERIMENT = Experiment.from_data(
     {
@@ -78,7 +79,7 @@ def test_lost_loops_are_a_share_with_an_interval_of_its_own() -> None:
     assert verdict({"metric": LOST, "below": 0.1}) == "undecided"
 
 
-def found_region(own_seeds: bool, against: str | None = None) -> Figure:
+def found_region(own_seeds: bool, against: str | None = None) -> Estimate:
     """Wide has three of its four points inside, small one of these."""
     axis = {"key": "a", "from": 0.0, "to": 1.0, "count": 2}
     sweep = SweepSpec.model_validate(
@@ -93,8 +94,8 @@ def found_region(own_seeds: bool, against: str | None = None) -> Figure:
 
 
 def test_shares_of_regions_are_compared_as_they_are() -> None:
-    assert found_region(own_seeds=False) == Figure(0.75, 0.75, 0.75, 1)
-    assert found_region(own_seeds=False, against="small") == Figure(0.5, 0.5, 0.5, 1)
+    assert found_region(own_seeds=False) == Estimate(0.75, 0.75, 0.75, 1)
+    assert found_region(own_seeds=False, against="small") == Estimate(0.5, 0.5, 0.5, 1)
 
 
 def test_points_with_noise_of_their_own_are_runs() -> None:

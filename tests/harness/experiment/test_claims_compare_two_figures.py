@@ -7,9 +7,10 @@ import pytest
 from pydantic import ValidationError
 
 from harness.errors import UsageError
-from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, Figure, figure, judge
+from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, figure, judge
 from harness.experiment.experiment import Experiment
 from harness.experiment.study import LOST, Study
+from harness.results.intervals import Estimate
 
 EXPERIMENT = Experiment.from_data(
     {
@@ -39,7 +40,7 @@ EVIDENCE = {
 }  # fmt: skip
 
 
-def found(**test: str) -> Figure:
+def found(**test: str) -> Estimate:
     keys = {"experiment": "first", "variant": "plain", "metric": "peak", **test}
     return figure(CriterionSpec.model_validate({**keys, "below": 0.0}), EVIDENCE.__getitem__)
 
@@ -47,8 +48,8 @@ def found(**test: str) -> Figure:
 def test_a_difference_is_taken_seed_by_seed() -> None:
     """The peaks differ by 22 from seed to seed; the pairs by nothing, so the interval is a point.
     Unpaired, it would be tens wide."""
-    assert found(variant="tuned", against="plain") == Figure(-2.0, -2.0, -2.0, 3)
-    assert found(against_experiment="second") == Figure(1.0, 1.0, 1.0, 3)
+    assert found(variant="tuned", against="plain") == Estimate(-2.0, -2.0, -2.0, 3)
+    assert found(against_experiment="second") == Estimate(1.0, 1.0, 1.0, 3)
 
 
 def test_two_metrics_of_one_run() -> None:

@@ -61,8 +61,8 @@ def test_a_study_pairs_its_differences_by_seed(tmp_path: Path) -> None:
         assert study.values(name, "iae") == alone
     pairs = np.subtract(study.values("hard", "iae"), study.values("soft", "iae"))
     difference = study.difference("hard", "iae")
-    assert difference.mean == pytest.approx(pairs.mean(), rel=1e-12)
-    assert difference.low < difference.mean < difference.high
+    assert difference.value == pytest.approx(pairs.mean(), rel=1e-12)
+    assert difference.low < difference.value < difference.high
     frame = study.frame()
     assert len(frame) == 6 and set(frame["seed"]) == {5, 6, 7}
     assert study.write(tmp_path / "out").read_text().count("\n") == 7

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment, Table
-from harness.ssp.from_experiment import export_experiment
+from harness.ssp import from_experiment
 from harness.ssp.to_experiment import open_experiment
 from harness.system.block import Block
 from tests.harness.fmi.archives import oscillator_fmu
@@ -62,10 +62,16 @@ def without_files(spec: Any) -> Any:
     return data | {"variants": None}
 
 
+def export(experiment: Experiment, target: Path) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(from_experiment, "controller_fmu", partial(maker, target.parent))
+        from_experiment.export_experiment(experiment, target, experiment.variants)
+
+
 def exported(data: Table, tmp_path: Path) -> tuple[Experiment, Path]:
     experiment = Experiment.from_data(data, tmp_path / "loop.toml")
     target = tmp_path / "loop.ssp"
-    export_experiment(experiment, target, experiment.variants, partial(maker, tmp_path))
+    export(experiment, target)
     return experiment, target
 
 
@@ -88,7 +94,7 @@ def test_settings_and_rows_are_the_same(tmp_path: Path, fmi_version: int) -> Non
             assert all(np.array_equal(one[signal], other[signal]) for signal in one.names)
             assert one.metrics == other.metrics
         twice = tmp_path / "twice.ssp"
-        export_experiment(again, twice, again.variants, partial(maker, tmp_path))
+        export(again, twice)
     assert twice.read_bytes() == path.read_bytes()
 
 

@@ -6,25 +6,25 @@ from pathlib import Path
 import pytest
 
 from harness.experiment.experiment import Experiment
-from harness.export.controller import controller_fmu
 from harness.export.verify import verify
+from harness.fmi.archive.unpack import Archive
 from harness.ssp.from_experiment import export_experiment
-from harness.ssp.package import SspArchive, open_package
+from harness.ssp.package import DEFAULT, open_package
 from tests.harness.ssp.test_exported_experiments_come_back import loop
 
 pytestmark = pytest.mark.filterwarnings("ignore:in other tools")
 
 
 @pytest.fixture(scope="module")
-def package(tmp_path_factory: pytest.TempPathFactory) -> SspArchive:
+def package(tmp_path_factory: pytest.TempPathFactory) -> Archive:
     folder = tmp_path_factory.mktemp("package")
     experiment = Experiment.from_data(loop(), folder / "loop.toml")
-    export_experiment(experiment, folder / "loop.ssp", experiment.variants, controller_fmu)
-    return SspArchive(folder / "loop.ssp")
+    export_experiment(experiment, folder / "loop.ssp", experiment.variants)
+    return Archive(folder / "loop.ssp", DEFAULT)
 
 
 @pytest.fixture
-def text(package: SspArchive) -> str:
+def text(package: Archive) -> str:
     return (package.folder / "SystemStructure.ssd").read_text()
 
 
@@ -40,7 +40,7 @@ def test_inputs_that_nobody_drives_are_not_listed(tmp_path: Path) -> None:
     del data["connections"]["pid.reference"]
     del data["measure"]
     experiment = Experiment.from_data(data, tmp_path / "loop.toml")
-    export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants, controller_fmu)
+    export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants)
     with open_package(tmp_path / "loop.ssp") as opened:
         system = next(iter(opened.structures.values())).system
     inputs = {
@@ -57,13 +57,13 @@ def test_both_numbers_of_a_transformation_are_written(tmp_path: Path) -> None:
     data = loop()
     data["connections"]["plant.force"] = {"from": "pid.u", "offset": 0.125}
     experiment = Experiment.from_data(data, tmp_path / "loop.toml")
-    export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants, controller_fmu)
-    with SspArchive(tmp_path / "loop.ssp") as opened:
+    export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants)
+    with Archive(tmp_path / "loop.ssp", DEFAULT) as opened:
         found = (opened.folder / "SystemStructure.ssd").read_text()
     assert re.search(r'<ssc:LinearTransformation factor="1(\.0)?" offset="0\.125"/>', found)
 
 
-def test_every_fmu_without_inputs_is_certified_too(package: SspArchive) -> None:
+def test_every_fmu_without_inputs_is_certified_too(package: Archive) -> None:
     for name in ("reference", "pid"):
         assert verify(package.folder / "resources" / f"{name}.fmu").exact
 
@@ -74,4 +74,4 @@ def test_a_conversion_of_units_is_said_aloud(tmp_path: Path) -> None:
     data["components"]["pid"]["parameters"]["output_unit"] = "kN"
     experiment = Experiment.from_data(data, tmp_path / "loop.toml")
     with pytest.warns(UserWarning, match=r"the conversion of kN to N on pid\.u -> plant\.force"):
-        export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants, controller_fmu)
+        export_experiment(experiment, tmp_path / "loop.ssp", experiment.variants)
