@@ -21,11 +21,13 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from harness.errors import HarnessError, SimulationError
+from harness.fmi.binding.interface import MODEL_EXCHANGE
 from harness.fmi.fmu import Fmu
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, VerdictError, failed, passed
 from harness.inspection.snapshots import left_behind
 from harness.inspection.subject import Subject
+from harness.participants.kinds import load_kernels
 from harness.process.fork import available
 from harness.process.limits import Limits, show_memory
 from harness.process.marker import Marker
@@ -72,6 +74,7 @@ def examine(
 ) -> None:
     """Run the checks called `names`, in order, and have methods of a `Round` called; who asks for
     them has judged the description."""
+    load_kernels(exchange=kind == MODEL_EXCHANGE)
     with Fmu(path, validate=False) as fmu:
         subject = Subject(fmu, interface(kind, fmu.description), scratch)
         for name in names:

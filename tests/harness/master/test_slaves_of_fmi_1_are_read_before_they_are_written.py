@@ -1,5 +1,5 @@
-"""An output of which an FMU lists no dependencies follows its inputs, except in FMI 1 co-simulation,
-where outputs are computed in steps."""
+"""An output of which an FMU lists no dependencies follows its inputs, except in co-simulation of
+FMI 1, where outputs are computed in steps."""
 
 from pathlib import Path
 
