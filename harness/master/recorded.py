@@ -43,14 +43,14 @@ def recorded_ports(
             ports = map(d.port, [*d.variables, *d.elements])
             kinds = {v.name for v in ports if not v.shape}
             exact += [end for end in readable if end.variable in kinds]
-            causal = {name for v in d.outputs for name in d.whole(v.name)}
+            causal = {name for v in d.outputs for name in d.scalars(v.name)}
             readable = [e for e in readable if e.variable in causal and e.variable in kinds]
             inputs = [end for end in inputs if end in wired]
         offered += [*readable, *inputs]
     chosen: dict[Endpoint, None] = {}
     for pattern in patterns:
         if isinstance(pattern, Endpoint):
-            names = descriptions[pattern.component].whole(pattern.variable)
+            names = descriptions[pattern.component].scalars(pattern.variable)
             chosen.update(dict.fromkeys(Endpoint(pattern.component, name) for name in names))
             continue
         every = [*offered, *exact]

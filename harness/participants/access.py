@@ -50,12 +50,12 @@ def access(variable: Variable, fmi_major: int) -> tuple[str, int]:
     return _KINDS[fmi_major][variable.type]
 
 
-def whole(ends: Iterable[Endpoint], descriptions: Descriptions) -> list[Endpoint]:
+def scalar_ports(ends: Iterable[Endpoint], descriptions: Descriptions) -> list[Endpoint]:
     """The ports of FMUs, with all elements of an array for any of them, each once, in order."""
     found = (
         Endpoint(end.component, name)
         for end in ends
-        for name in descriptions[end.component].whole(end.variable)
+        for name in descriptions[end.component].scalars(end.variable)
     )
     return list(dict.fromkeys(found))
 
@@ -121,7 +121,7 @@ class Access:
             return access(port, d.fmi_major), port.details.negated, slot(end) - i
 
         ports = (Endpoint(self.name, name) for name in variables)
-        ends = sorted(whole(ports, {self.name: d}), key=slot)
+        ends = sorted(scalar_ports(ports, {self.name: d}), key=slot)
         for ((suffix, kind), negated, _), group in groupby(enumerate(ends), key=neighbours):
             members = tuple(end for _, end in group)
             yield _Group(suffix, kind, negated, members, slot(members[0]))

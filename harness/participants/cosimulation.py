@@ -89,7 +89,7 @@ class CoSimulation(DrivenParticipant):
         for name in self.unclocked(inputs):
             steady = d.variable(d.owner(name)).variability == "continuous"
             rest[0 if steady else 1].append(name)
-            for place in map(self.slot, d.whole(name)):
+            for place in map(self.slot, d.scalars(name)):
                 self._given.setdefault(place, -1)
                 self._continuous[place] = steady
         yield self.calling(self._begin_write)

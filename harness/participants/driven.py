@@ -150,7 +150,7 @@ class DrivenParticipant(FmuParticipant):
 
     def store(self, name: str, value: Any) -> None:
         """Put the value of a clocked variable into its slots, where it has any."""
-        for one, item in zip(self.description.whole(name), flat(value), strict=True):
+        for one, item in zip(self.description.scalars(name), flat(value), strict=True):
             end = Endpoint(self.name, one)
             if end in self.memory.layout.slots:
                 self.memory.store(end, item)

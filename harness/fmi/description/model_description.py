@@ -235,7 +235,7 @@ class ModelDescription:
         """The array of which `name` is an element; `name` for anything else."""
         return self.elements[name][0].name if name in self.elements else name
 
-    def whole(self, name: str) -> tuple[str, ...]:
+    def scalars(self, name: str) -> tuple[str, ...]:
         """The elements of the array that `name` is, or is an element of; `name` for a scalar."""
         array = self.variables.get(self.owner(name))
         return (name,) if array is None else element_names(array.name, array.shape)

@@ -67,7 +67,7 @@ def feeding_inputs(
     names = _declared(output, d, initially)
     if names is None:
         names = tuple(v.name for v in d.inputs)
-    return frozenset(Endpoint(output.component, port) for name in names for port in d.whole(name))
+    return frozenset(Endpoint(output.component, port) for name in names for port in d.scalars(name))
 
 
 def assumed(

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from harness.master.plan.actions import Keep, Read, flat
 from harness.master.plan.planner import Plan
-from harness.participants.access import access, whole
+from harness.participants.access import access, scalar_ports
 from harness.participants.memory import Cell, Layout, View, cell_of
 from harness.system.graph import Descriptions, Endpoint, PythonComponent
 from harness.system.lowering import LoweredSystem
@@ -46,7 +46,7 @@ def make_layout(plan: Plan, descriptions: Descriptions) -> Layout:
             port = d.port(end.variable)
             return end.component, access(port, d.fmi_major)[0], port.details.negated
 
-        return sorted(whole(ends, descriptions), key=key)
+        return sorted(scalar_ports(ends, descriptions), key=key)
 
     slots: dict[Endpoint, int] = {}
     for end in [*grouped(plan.written), *grouped(plan.read)]:
@@ -60,7 +60,7 @@ def make_layout(plan: Plan, descriptions: Descriptions) -> Layout:
         (action.view, one)
         for action in set(flat(plan.actions))
         if isinstance(action, (Keep, Read)) and action.view != "present"
-        for one in whole(action.ends, descriptions)
+        for one in scalar_ports(action.ends, descriptions)
     }
     ordered = sorted(others, key=lambda other: (other[0], rank[other[1]]))
     views = {other: len(slots) + i for i, other in enumerate(ordered)}

@@ -36,7 +36,7 @@ from harness.master.program.copying import keep, transfer, weigh
 from harness.master.program.iteration import Iteration
 from harness.master.program.layout import make_layout
 from harness.master.program.start_values import start_values
-from harness.participants.access import whole
+from harness.participants.access import scalar_ports
 from harness.participants.block import BlockParticipant
 from harness.participants.fmu import FmuParticipant
 from harness.participants.memory import Cell, Memory, Row
@@ -223,7 +223,7 @@ class Linker:
         """Room that an action may need in the exchange buffer, in cells."""
         match action:
             case Read() | Write():
-                return len(whole(action.ends, self.descriptions))
+                return len(scalar_ports(action.ends, self.descriptions))
             case Step():
                 return 1
         return 0

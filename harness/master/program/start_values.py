@@ -18,7 +18,7 @@ from harness.fmi.binding.values import parse_value
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.start_values import judge_start_values
 from harness.master.plan.planner import Plan
-from harness.participants.access import whole
+from harness.participants.access import scalar_ports
 from harness.system.check import TEXT_TYPES, inputs_of
 from harness.system.graph import (
     BlockComponent,
@@ -51,7 +51,7 @@ def start_values(plan: Plan, descriptions: Mapping[str, ModelDescription]) -> di
 
     elements = {
         end: input_start(end)
-        for end in whole(plan.written, descriptions)
+        for end in scalar_ports(plan.written, descriptions)
         if end.variable in descriptions[end.component].elements
     }
     values = {

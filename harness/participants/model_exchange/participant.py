@@ -143,7 +143,7 @@ class ModelExchange(DrivenParticipant):
         if len(inputs) < given:
             yield self.calling(self._trigger)
         rows = list(super().write(inputs))
-        ports = [port for name in inputs for port in self.description.whole(name)]
+        ports = [port for name in inputs for port in self.description.scalars(name)]
         slots = [self.memory.address(self.slot(port)) for port in ports]
         places = self.memory.held(np.array(slots, dtype=np.int64))
         self._last.append(np.full(len(slots), -1, dtype=np.int64))

@@ -174,7 +174,7 @@ class MockInstance:
         self.dead, self.ended = False, False
         variables = list(self.description.variables.values())
         self._names = {v.value_reference: v.name for v in reversed(variables)}
-        self._parts = {r: self.description.whole(name) for r, name in self._names.items()}
+        self._parts = {r: self.description.scalars(name) for r, name in self._names.items()}
         self._functions: dict[str, Any] = {}
         self.snapshots: dict[int, tuple[float, dict[str, float]]] = {}
         self.repeats = description_can_repeat(self.description)
