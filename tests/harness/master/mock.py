@@ -269,6 +269,9 @@ class MockInstance:
         for name, value in values.items():
             self.model.set(name, value)
 
+    def tell_experiment(self, *times: float | None) -> None:
+        pass
+
     def enter_initialization_mode(self, start: float, stop: float, tolerance: float | None) -> None:
         self._status(f"Enter({start!r}, {stop!r}, {tolerance!r})")
 
