@@ -12,13 +12,14 @@ from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
-from importlib.resources import files
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.errors import FmuError, UsageError, nearest
 from harness.siblings import HOME, import_sibling, is_sibling
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 PLANTS = "fmu_harness.plants"
 CONTROLLERS = "fmu_harness.controllers"
@@ -46,6 +47,8 @@ class Plant(Protocol):
 
 @cache
 def _entries(group: str) -> dict[str, EntryPoint]:
+    from importlib.metadata import entry_points
+
     return {entry.name: entry for entry in entry_points(group=group)}
 
 
@@ -90,6 +93,8 @@ def packager(name: str) -> Any:
 
 def experiments() -> dict[str, Path]:
     """All experiment files by name, such as "ahn2009/figure_7"."""
+    from importlib.resources import files
+
     found = {}
     for entry in _entries(EXPERIMENTS).values():
         root = HOME / entry.value if is_sibling(entry.value) else Path(str(files(entry.value)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.text import Text
 
 from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.terminal import bar, console, say, say_json, table
@@ -45,6 +44,8 @@ def doctor_command(
 
 
 def _show(found: Diagnosis) -> None:
+    from rich.text import Text
+
     out, head = console(), f"{found.path.name}, FMI {found.description.fmi_version}"
     for kind in dict.fromkeys(f.interface_type for f in found.findings):
         findings = (

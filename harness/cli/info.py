@@ -7,22 +7,21 @@ import json
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
-
-from rich.cells import cell_len, set_cell_size
-from rich.table import Table
+from typing import TYPE_CHECKING, Any
 
 from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.terminal import console, properties
-from harness.fmi.description.model_description import (
-    Capabilities,
-    LayeredStandard,
-    ModelDescription,
-    Terminal,
-    Variable,
-)
-from harness.fmi.fmu import Fmu
-from harness.fmi.sources import compiled
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from harness.fmi.description.model_description import (
+        Capabilities,
+        LayeredStandard,
+        ModelDescription,
+        Terminal,
+        Variable,
+    )
 
 _LIBRARIES = {".so", ".dll", ".dylib"}
 
@@ -31,6 +30,9 @@ def info_command(
     fmu: FmuFile, as_json: AsJson = False, validate: Validate = True, compile_: Compile = False
 ) -> None:
     """Show identity, capabilities and variables of an FMU."""
+    from harness.fmi.fmu import Fmu
+    from harness.fmi.sources import compiled
+
     fmu = compiled(fmu, validate=validate) if compile_ else fmu
     with Fmu(fmu, validate=validate) as opened:
         description, sha256 = opened.description, opened.sha256
@@ -50,6 +52,8 @@ def info_command(
 
 def _show(rows: Sequence[Sequence[str]]) -> None:
     """Print rows below their titles, if there are any, in columns that begin together."""
+    from rich.cells import cell_len, set_cell_size
+
     if len(rows) < 2:
         return
     widths = [max(map(cell_len, column)) for column in zip(*rows, strict=True)]

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich import box
 
 from harness import registry
 from harness.cli.terminal import bar, console, say, table
@@ -23,6 +22,8 @@ def reproduce_command(
     jobs: Annotated[int, typer.Option(help="Processes; 0: one a core")] = 0,
 ) -> None:
     """Run all experiments of papers and judge their claims."""
+    from rich import box
+
     from harness.experiment import reproduce as pages
     from harness.experiment.parallel import Workers
 

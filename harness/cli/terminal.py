@@ -6,19 +6,21 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from rich.box import Box
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.box import Box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
 
 _WIDTH_ELSEWHERE = 132
 
 
 def console(*, stderr: bool = False) -> Console:
     """A console without automatic highlighting; lines are not wrapped inside words."""
+    from rich.console import Console
+
     found = Console(stderr=stderr, highlight=False)
     if found.is_terminal:
         return found
@@ -54,6 +56,9 @@ def table(
     box: Box | None = None,
 ) -> Table:
     """Rows under headings; the columns `right` are justified to the right."""
+    from rich.table import Table
+    from rich.text import Text
+
     made = Table(title=Text(title) if title else None, title_justify="left", box=box)
     made.padding = (0, 2) if box is None else (0, 1)
     for heading in headings:
@@ -65,6 +70,8 @@ def table(
 
 def properties(title: str, rows: Iterable[tuple[str, str]]) -> Table:
     """Names in bold, each with what there is to say of it."""
+    from rich.text import Text
+
     made = table(("", ""), ((Text(name, style="bold"), text) for name, text in rows), title=title)
     made.show_header, made.columns[0].no_wrap = False, True
     return made
@@ -81,11 +88,14 @@ class Moved(Protocol):
 def bar(name: str) -> Iterator[Moved]:
     """While open, the error stream shows the progress of a task: name, bar, share, time gone and
     time left."""
+    from rich import progress as p
+
     from harness.compiler.machine_code import announcing
 
-    text, share = TextColumn("{task.description}", markup=False), "{task.percentage:3.0f} %"
-    columns = text, BarColumn(), TextColumn(share), TimeElapsedColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=console(stderr=True)) as shown:
+    text, share = p.TextColumn("{task.description}", markup=False), "{task.percentage:3.0f} %"
+    times = p.TimeElapsedColumn(), p.TimeRemainingColumn()
+    columns = text, p.BarColumn(), p.TextColumn(share), *times
+    with p.Progress(*columns, console=console(stderr=True)) as shown:
         task = shown.add_task(name, total=1.0)
 
         def moved(share: float, at: str = name) -> None:

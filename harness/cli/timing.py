@@ -7,8 +7,6 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich import box
-from rich.table import Table
 
 from harness.cli.options import (
     Changes,
@@ -23,6 +21,8 @@ from harness.cli.terminal import console, say, table
 from harness.clock import show
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from harness.master.plan.planner import Plan
     from harness.master.timing import Arrival
     from harness.system.graph import Endpoint
@@ -75,6 +75,8 @@ def _print_schedule(plan: Plan) -> None:
 
 
 def _delays(source: Endpoint, arrivals: tuple[Arrival, ...]) -> Table:
+    from rich import box
+
     rows = []
     for a in arrivals:
         cells = ("never", "–", "–")

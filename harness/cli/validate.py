@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from rich.text import Text
-
 from harness.cli.options import AsJson, FmuFile
 from harness.cli.terminal import console, say, say_json, table
 from harness.errors import HarnessError
@@ -15,6 +13,8 @@ _STYLES = {"error": "bold red", "warning": "yellow", "note": "dim"}
 
 def validate_command(fmu: FmuFile, as_json: AsJson = False) -> None:
     """Check an FMU without running it; exit code 1 when it has errors."""
+    from rich.text import Text
+
     from harness.inspection.problem import Severity
     from harness.inspection.static import validate
 
