@@ -31,9 +31,11 @@ def info_command(
 ) -> None:
     """Show identity, capabilities and variables of an FMU."""
     from harness.fmi.fmu import Fmu
-    from harness.fmi.sources import compiled
 
-    fmu = compiled(fmu, validate=validate) if compile_ else fmu
+    if compile_:
+        from harness.fmi.sources import compiled
+
+        fmu = compiled(fmu, validate=validate)
     with Fmu(fmu, validate=validate) as opened:
         description, sha256 = opened.description, opened.sha256
         platforms = _platforms(opened.folder)
@@ -52,14 +54,20 @@ def info_command(
 
 def _show(rows: Sequence[Sequence[str]]) -> None:
     """Print rows below their titles, if there are any, in columns that begin together."""
-    from rich.cells import cell_len, set_cell_size
-
     if len(rows) < 2:
         return
-    widths = [max(map(cell_len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = map(set_cell_size, row, widths)
-        print("  ".join(" ".join(cell.splitlines()) for cell in cells).rstrip())
+    columns = [_of_one_width(cells) for cells in zip(*rows, strict=True)]
+    print("\n".join("  ".join(row).rstrip() for row in zip(*columns, strict=True)))
+
+
+def _of_one_width(cells: Sequence[str]) -> list[str]:
+    """Cells of one line each, filled up to the widest."""
+    from rich.cells import cell_len
+
+    lines = [cell if cell.isprintable() else " ".join(cell.splitlines()) for cell in cells]
+    widths = [len(line) if line.isascii() else cell_len(line) for line in lines]
+    widest = max(widths)
+    return [line + " " * (widest - width) for line, width in zip(lines, widths, strict=True)]
 
 
 def _platforms(folder: Path) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ sentence; a traceback would be a defect of the harness.
 from __future__ import annotations
 
 import atexit
+import gc
 import os
 import sys
 import warnings
@@ -81,6 +82,7 @@ def main(arguments: list[str] | None = None) -> None:
     What was registered for the exit is done and the streams are flushed; the interpreter is not
     taken apart, which would keep the terminal waiting long after Ctrl-C.
     """
+    gc.set_threshold(100_000)  # what is opened lives to the end; to look through it often is slow
     code = run_command_line(arguments)
     with suppress(OSError, ValueError):
         atexit._run_exitfuncs()

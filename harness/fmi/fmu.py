@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from harness.fmi.archive.unpack import Archive
-from harness.fmi.binding.fmi1 import Fmi1Instance
-from harness.fmi.binding.fmi2 import Fmi2Instance
-from harness.fmi.binding.fmi3 import Fmi3Instance
-from harness.fmi.binding.instance import CO_SIMULATION, FmuInstance, InterfaceType
+from harness.fmi.binding.interface import CO_SIMULATION, InterfaceType
 from harness.fmi.binding.library import unload_below
-from harness.fmi.binding.logger import LogMessage
 from harness.fmi.description.faults import notes
 from harness.fmi.description.reader import read_model_description
 
-_KINDS: dict[int, type[FmuInstance]] = {1: Fmi1Instance, 2: Fmi2Instance, 3: Fmi3Instance}
+if TYPE_CHECKING:
+    from harness.fmi.binding.instance import FmuInstance
+    from harness.fmi.binding.logger import LogMessage
 
 
 class Fmu(Archive):
@@ -54,7 +53,14 @@ class Fmu(Archive):
     ) -> FmuInstance:
         """A new instance; raises `FmuError`. `event_mode` and `early_return` say that the caller
         handles events and steps that end early, in FMI 3 co-simulation."""
-        return _KINDS[self.description.fmi_major](
+        from harness.fmi.binding.fmi1 import Fmi1Instance
+        from harness.fmi.binding.fmi2 import Fmi2Instance
+        from harness.fmi.binding.fmi3 import Fmi3Instance
+
+        kind: type[FmuInstance] = (Fmi1Instance, Fmi2Instance, Fmi3Instance)[
+            self.description.fmi_major - 1
+        ]
+        return kind(
             self.description, self.folder, name, interface_type=interface_type,
             event_mode=event_mode, early_return=early_return, logging=logging, echo=echo,
         )  # fmt: skip

@@ -23,7 +23,8 @@ _BLANKS = str.maketrans("\t\n\r", "   ")
 
 class Entry(NamedTuple):
     """A variable: its attributes `own`, those of its type in `value` (its own in FMI 3, those of a
-    child before), and those of its `declared` type."""
+    child before), and those of its `declared` type. `base` is what two names of one variable of
+    FMI 1 or 2 have in common."""
 
     document: Document
     element: Any
@@ -33,11 +34,7 @@ class Entry(NamedTuple):
     own: Mapping[str, str]
     value: Mapping[str, str]
     declared: Mapping[str, Any]
-
-    @property
-    def base(self) -> tuple[str, int]:
-        """What two names of one variable of FMI 1 or 2 have in common."""
-        return "Integer" if self.type == "Enumeration" else self.type, self.reference
+    base: tuple[str, int]
 
     def get(self, key: str) -> Any:
         """An attribute of the variable's type, that of its declared type where it has none."""
@@ -146,7 +143,8 @@ def _entry(
         kind, value = ("", {}) if child is None else (child.tag, dict(child.items()))
     name, reference = spaced(own["name"]), integer(own.get("valueReference"))
     declared = value.get("declaredType", "")
-    made = Entry(document, element, name, reference or 0, kind, own, value, types.get(declared, {}))
+    base = "Integer" if kind == "Enumeration" else kind, reference or 0
+    made = Entry(document, element, name, base[1], kind, own, value, types.get(declared, {}), base)
     wrong = "with control characters in its name" * has_control_characters(name)
     if kind not in TYPES:
         wrong = f"of the unknown type {shorten(str(kind))!r}"

@@ -252,6 +252,8 @@ class ModelDescription:
 
         Raises `UsageError` for an array of more than `MAX_ELEMENTS`.
         """
+        if not structural:
+            return self
         starts = {n: replace(self.variables[n], start=str(v)) for n, v in structural.items()}
         other = replace(self, variables={**self.variables, **starts})
         resized = {
@@ -267,7 +269,7 @@ class ModelDescription:
                     f"FMU {self.name}: array {v.name!r} would have {v.size} elements by its "
                     f"structural parameters; at most {MAX_ELEMENTS} are taken"
                 )
-        return replace(other, variables={**other.variables, **resized}) if structural else self
+        return replace(other, variables={**other.variables, **resized})
 
     def variable(self, name: str) -> Variable:
         """The variable of that name; raises `FmuError` with the nearest legal names."""

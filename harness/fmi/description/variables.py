@@ -66,7 +66,7 @@ class VariableReader:
                 one.tell(what, Harm.AMBIGUOUS, "unique reference")
         self.numbered = entries if self._major == 2 else by_reference
         self._bases = bases(self.entries) if self._major < 3 else {}
-        self._known: dict[Details, Details] = {}
+        self._known: dict[tuple[Any, ...], Details] = {}
 
     def variables(self) -> dict[str, Variable]:
         """All variables by name, the aliases of FMI 3 last."""
@@ -199,7 +199,7 @@ class VariableReader:
         base = self._bases.get(one.base, one.name)
         starts = one.start_texts()
         self._judge_unit(one, unit, get("displayUnit"))
-        made = Details(
+        given = dict(
             alias_of=None if base == one.name else base,
             negated=self._major == 1 and own.get("alias") == "negatedAlias",
             relative=boolean(get("relativeQuantity")),
@@ -213,7 +213,10 @@ class VariableReader:
             **(self._of_clocked(one) if self._major == 3 else {}),
             **(_of_clock(one) if one.type == "Clock" else {}),
         )
-        return self._known.setdefault(made, made)
+        known = self._known.get(key := tuple(given.values()))
+        if known is None:
+            known = self._known[key] = Details(**given)
+        return known
 
     def _of_clocked(self, one: Entry) -> dict[str, Any]:
         return {
