@@ -21,8 +21,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import ndtri
 
 from controllers.core.block import Array
 from controllers.core.errors import require
@@ -68,16 +66,21 @@ class PPoint:
     @property
     def gamma_p(self) -> float:
         """γ_p of (18)."""
+        from scipy.special import ndtri
+
         return -float(ndtri(0.5 * self.p))
 
     @property
     def t(self) -> float:
-        """1/(2·s_m), the root of (22)."""
-
-        def residual(t: float) -> float:
-            return math.cos(t) ** 3 - self.p * (math.cos(t) + t * math.sin(t))
-
-        return float(brentq(residual, 0.0, 0.5 * math.pi, xtol=1e-16, rtol=1e-15))
+        """1/(2·s_m), the root of (22), by bisection to the last bit, since scipy.optimize takes
+        longer to import than many runs last."""
+        low, high = 0.0, 0.5 * math.pi
+        while low < (t := 0.5 * (low + high)) < high:
+            if math.cos(t) ** 3 > self.p * (math.cos(t) + t * math.sin(t)):
+                low = t
+            else:
+                high = t
+        return low
 
     @property
     def s_m(self) -> float:

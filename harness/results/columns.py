@@ -124,6 +124,31 @@ def values_of(
     return cells.astype(column.dtype, copy=False)
 
 
+def arrow_array(values: NDArray[Any] | Sequence[str | bytes], kind: Any = None) -> Any:
+    """The values of a column as an Arrow array, of the Arrow type `kind` where that is given.
+
+    Numbers are taken as they lie in memory: pyarrow's own way imports pandas.
+    """
+    import pyarrow as pa
+
+    if not isinstance(values, np.ndarray):
+        return pa.array(values, kind)
+    truth = values.dtype == np.bool_
+    data = np.packbits(values, bitorder="little") if truth else np.ascontiguousarray(values)
+    kind, size = kind or pa.from_numpy_dtype(values.dtype), len(values)
+    return pa.Array.from_buffers(kind, size, [None, pa.py_buffer(data)])
+
+
+def numbers_of(column: Any) -> NDArray[Any]:
+    """The numbers or truths of a chunked Arrow column, again without pandas."""
+    import pyarrow as pa
+
+    if pa.types.is_boolean(column.type):
+        return np.array(column.to_pylist(), dtype=np.bool_)
+    found: NDArray[Any] = np.from_dlpack(column.combine_chunks())
+    return found
+
+
 def schema_of(columns: Sequence[Column]) -> Any:
     """The Arrow schema of rows in files: `time` in seconds, then the columns in their own type."""
     import pyarrow as pa

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from harness.errors import UsageError
 from harness.fmi.description.model_description import element_names
 from harness.results.atomic import atomic_write, writing
-from harness.results.columns import TIME, Column
+from harness.results.columns import TIME, Column, arrow_array
 from harness.results.result import Result
 
 
@@ -29,7 +29,7 @@ def write_csv(result: Result, path: Path) -> None:
 
     texts = result.texts
     arrays = [
-        pa.array(texts[name], pa.string()) if name in texts else pa.array(result[name])
+        arrow_array(texts[name], pa.string()) if name in texts else arrow_array(result[name])
         for name in (TIME, *result.names)
     ]
     table = pa.Table.from_arrays(arrays, names=[TIME, *result.names])

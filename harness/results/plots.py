@@ -163,6 +163,9 @@ def save_figures(folder: Path, figures: Mapping[str, Figure], suffix: str = ".pn
 def save_figure(path: Path, figure: Figure) -> Path:
     """Writes a figure to `path`, whose ending names the format and whose folder is made where
     missing; raises `RecordingError`."""
+    if (layout := figure.get_layout_engine()) is not None:  # else all is drawn twice for it
+        layout.execute(figure)
+        figure.set_layout_engine("none")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as partial:

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from harness.errors import RecordingError
 from harness.results.atomic import ANOTHER_FOLDER, writing
-from harness.results.columns import Column, check_columns, schema_of, values_of
+from harness.results.columns import Column, arrow_array, check_columns, schema_of, values_of
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
 from harness.results.storage import STREAM_FILE, first_rows, read_recording, seal
@@ -174,8 +174,7 @@ class Recording:
     def _write(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         import pyarrow as pa
 
-        values = [np.ascontiguousarray(times), *self._values(rows)]
-        arrays = map(pa.array, values, self._schema.types)
+        arrays = map(arrow_array, [times, *self._values(rows)], self._schema.types)
         with self._writing("cannot write rows into"):
             self._stream.write_batch(pa.record_batch(list(arrays), schema=self._schema))
             self._file.flush()

@@ -7,11 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from harness.errors import RecordingError
 from harness.results.atomic import atomic_write, writing
-from harness.results.columns import TIME, Column, schema_of
+from harness.results.columns import TIME, Column, numbers_of, schema_of
 from harness.results.csv_files import write_csv_header, write_csv_rows
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
 from harness.results.result import Result
@@ -67,7 +65,7 @@ def read_recording(folder: Path) -> Result:
             batches = list(_whole_batches(stream))
             table = pa.Table.from_batches(batches, schema=schema_of(manifest.columns))
         else:
-            table = parquet.read_table(folder / PARQUET_FILE)
+            table = parquet.ParquetFile(folder / PARQUET_FILE).read()
     except (OSError, pa.ArrowInvalid) as fault:
         raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
     if manifest.status.state == RUNNING:
@@ -76,10 +74,10 @@ def read_recording(folder: Path) -> Result:
         manifest = replace(manifest, status=status)
     time, *columns = table.columns
     values = [
-        column.to_pylist() if known.dtype is None else np.array(column)
+        column.to_pylist() if known.dtype is None else numbers_of(column)
         for known, column in zip(manifest.columns, columns, strict=True)
     ]
-    result = Result.of(manifest.columns, np.array(time), values, manifest)
+    result = Result.of(manifest.columns, numbers_of(time), values, manifest)
     return replace(result, folder=folder)
 
 
