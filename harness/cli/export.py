@@ -27,7 +27,7 @@ def export_command(
 
     A package is written again with all that is in it, and with settings added to it by --set.
     """
-    from harness.ssp.package import is_package
+    from harness.ssp import is_package
 
     if output.suffix != ".ssp":
         raise UsageError(f"--output {output} must end in .ssp")

@@ -57,10 +57,11 @@ def limits_of(call: float | None, run: float | None, memory: str | None, isolate
 def opened_experiment(name: str, changed: Mapping[str, Any] | None = None) -> Iterator[Experiment]:
     """The experiment of that name with settings merged into it, while its files are there."""
     from harness.experiment.experiment import Experiment
-    from harness.ssp.package import is_package
-    from harness.ssp.to_experiment import open_experiment
+    from harness.ssp import is_package
 
     if is_package(name):
+        from harness.ssp.to_experiment import open_experiment
+
         with open_experiment(name, dict(changed or {})) as experiment:
             yield experiment
     else:

@@ -18,8 +18,7 @@ from typing import Any
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
 from harness.results.atomic import ANOTHER_FOLDER, writing
-from harness.ssp.package import is_package
-from harness.ssp.to_experiment import open_experiment
+from harness.ssp import is_package
 
 RUN_FILE = "experiment.json"
 _PACKAGE_FILES = (".ssd", ".ssv", ".ssm", ".ssb", ".ssp", ".fmu", ".csv")
@@ -86,6 +85,8 @@ def opened_run(folder: Path) -> Iterator[RunRecord]:
             f"the run in {folder} cannot go on: the package {file} that it runs {what}; put the "
             "one back with which it was begun, or run anew into another folder"
         )
+    from harness.ssp.to_experiment import open_experiment
+
     with open_experiment(file, settings) as experiment:
         yield RunRecord(experiment, variants, settings)
 

@@ -165,7 +165,7 @@ def save_figure(path: Path, figure: Figure) -> Path:
     missing; raises `RecordingError`."""
     if (layout := figure.get_layout_engine()) is not None:  # else all is drawn twice for it
         layout.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as partial:

@@ -20,10 +20,11 @@ from harness.clock import show, to_seconds
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.export.controller import controller_fmu
+from harness.ssp import DEFAULT
 from harness.ssp import document as ssd
 from harness.ssp.common import LinearTransformation
 from harness.ssp.describe import Describer, unit_change
-from harness.ssp.package import DEFAULT, save_package
+from harness.ssp.package import save_package
 from harness.ssp.sequence import sequence_block
 from harness.ssp.settings import OSP_NAMESPACE, annotation, osp_step, safe_name, unique
 from harness.ssp.to_experiment import FMU_SETTINGS, REPORT, WIRE_SETTINGS, describe_fmu, sha256

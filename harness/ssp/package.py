@@ -20,11 +20,10 @@ from warnings import warn
 from harness.errors import ExperimentError, FmuError, nearest
 from harness.export.certificate import zip_entry
 from harness.fmi.archive.unpack import Archive
-from harness.ssp import binding
+from harness.ssp import DEFAULT, binding
 from harness.ssp.binding import E
 from harness.ssp.document import SystemStructure
 
-DEFAULT = "SystemStructure.ssd"
 _PROXIES = ("proxyfmu", "fmu-proxy")
 """Schemes by which libcosim and its kin run the FMU `?file=…` in another process."""
 
@@ -93,12 +92,6 @@ def open_package(path: str | Path) -> Iterator[Package]:
             for name in (DEFAULT, *others)
         }
         yield Package(path, folder, files, closed)
-
-
-def is_package(path: str | Path) -> bool:
-    """Whether that names a package: a `.ssp` or `.ssd` file, or a folder with a description."""
-    path = Path(path)
-    return path.suffix in (".ssp", ".ssd") or (path / DEFAULT).is_file()
 
 
 def save_package(

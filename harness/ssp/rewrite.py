@@ -13,8 +13,9 @@ from typing import Any
 
 from harness.errors import ExperimentError, UsageError, nearest
 from harness.experiment.experiment import merge
+from harness.ssp import DEFAULT
 from harness.ssp.document import DefaultExperiment, SystemStructure
-from harness.ssp.package import DEFAULT, Package, files_of, open_package, save_package
+from harness.ssp.package import Package, files_of, open_package, save_package
 from harness.ssp.settings import TYPE, annotation, settings_of
 from harness.ssp.to_experiment import TOP_SETTINGS, variant_names
 

@@ -18,10 +18,10 @@ from urllib.parse import unquote
 from warnings import warn
 
 from harness.errors import ExperimentError, at, nearest
-from harness.ssp import binding
+from harness.ssp import DEFAULT, binding
 from harness.ssp import document as ssd
 from harness.ssp.binding import E
-from harness.ssp.package import DEFAULT, Package, open_package, read_document
+from harness.ssp.package import Package, open_package, read_document
 from harness.ssp.parameters import Dictionary, ParameterSet
 from harness.system.units import BASE_UNITS, Unit, parse_unit
 

@@ -12,9 +12,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TypeVar
 
-from harness.ssp import binding
+from harness.ssp import DEFAULT, binding
 from harness.ssp.document import SystemStructure
-from harness.ssp.package import DEFAULT
 from harness.ssp.parameters import ParameterMapping, ParameterSet
 from harness.ssp.to_experiment import open_experiment
 from tests.fuzz.place import CORPUS, place, written
