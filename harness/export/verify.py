@@ -77,10 +77,10 @@ def replay(
     """
 
     def work(teller: Teller) -> Array:
-        rows, log = [], teller.marker.logged
+        rows, put = [], teller.marker.messages.put
         with (
             Fmu(path) as fmu,
-            fmu.instantiate("parity", echo=lambda message: log(message.text)) as instance,
+            fmu.instantiate("parity", echo=lambda message: put("parity", message)) as instance,
         ):
             instance.enter_initialization_mode(0.0, None, None)
             instance.exit_initialization_mode()

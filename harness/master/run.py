@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from harness.compiler import operations as op
 from harness.compiler.operations import CYCLE, INSTANT, OPERATION, ROWS
 from harness.errors import EndRequestedError, HarnessError
-from harness.fmi.binding.logger import LogMessage
+from harness.fmi.binding.logger import LogMessage, left_out
 from harness.fmi.fmu import Fmu
 from harness.instruments.source import named_seed
 from harness.master import host as hosts
@@ -115,6 +115,8 @@ def execute(
         if fault is None or isinstance(fault, EndRequestedError):
             for participant in run.participants.values():
                 participant.terminate()
+    if verbose and plan.lowered.fmus and (unseen := left_out()):
+        run.notes.append(unseen)
     end = system.stop_ns if fault is None else int(host.clock[INSTANT])
     notes = (*run.notes, *(note for p in run.participants.values() for note in p.notes))
     return Outcome(end, fault, time.perf_counter() - began, notes)

@@ -76,7 +76,8 @@ class FmuInstance(ABC):
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
-        self._environment = register(self.log, name if description.fmi_major == 1 else "")
+        known_as = name if description.fmi_major == 1 else ""
+        self._environment = register(self.log, known_as, logging=logging)
         calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
         returned()
