@@ -65,7 +65,7 @@ class CoSimulation(DrivenParticipant):
         self._direct = not (self.has_events or timed or divides)
         if not self._direct:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
-        self._in_event, self._near, self._last = False, 0, float("nan")
+        self._in_event, self._near, self._last, self._still = False, 0, float("nan"), 0
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}
         self._continuous: dict[int, bool] = {}
@@ -186,6 +186,7 @@ class CoSimulation(DrivenParticipant):
             self._discarded(time, outcome)
         early = outcome.time < planned and not is_close(outcome.time, planned, planned - time)
         reached = outcome.time if early else planned
+        self._judge(time, outcome.time, planned)
         if early and not self.instance.early_return:
             raise FmuError(
                 f"component {self.name}: the step from t = {time:.9g} s to {planned:.9g} s ended "
@@ -193,6 +194,19 @@ class CoSimulation(DrivenParticipant):
             )
         self._after(time, reached, target, outcome, early)
         return reached
+
+    def _judge(self, time: float, reached: float, planned: float) -> None:
+        """A step may not go back, nor stand still for ever."""
+        self._still = self._still + 1 if reached == time else 0
+        if reached < time or reached != reached:
+            raise SimulationError(
+                f"component {self.name}: the step from t = {time:.9g} s to {planned:.9g} s ended "
+                f"at {reached:.9g} s, as the FMU says, which is not within the step"
+            )
+        if self._still > _MOST_EVENTS_AT_ONCE:
+            raise SimulationError(
+                f"component {self.name}: {self.words(x.CHATTERING, 0, f't = {time:.9g} s')}"
+            )
 
     def _after(
         self, time: float, reached: float, target: float, outcome: StepOutcome, early: bool
