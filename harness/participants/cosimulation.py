@@ -24,7 +24,7 @@ from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
 from harness.participants.fmu import FmuParticipant
-from harness.participants.grid import is_close
+from harness.participants.grid import exact, is_close
 from harness.participants.memory import Row
 from harness.system.graph import Endpoint
 
@@ -62,6 +62,12 @@ class CoSimulation(DrivenParticipant):
         super().enter_initialization(start, stop)
         timed = self.inputs.continuous or self.inputs.held
         divides = self.component.policy.discarded_steps == "divide"
+        fixed = self.capabilities.fixed_internal_step_size
+        if fixed and exact(self.seconds) % exact(fixed):
+            self.notes.append(
+                f"component {self.name}: its FMU computes in steps of {fixed:g} s, of which its "
+                f"communication step of {self.seconds:g} s is no multiple"
+            )
         self._direct = not (self.has_events or timed or divides)
         if not self._direct:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
