@@ -3,9 +3,9 @@
 - start: the default experiment's, else 0
 - stop: the default experiment's, else start + 1 s
 - communication step: the output interval where that was given (or the FMU's own step, where it
-  takes steps of one size only, of which the run needs no more than `MOST_STEPS`), else `fixedInternalStepSize`, else
-  the default experiment's step size, else (in scheduled execution) the shortest interval of a
-  clock, else derived
+  takes steps of one size only, of which the run needs no more than `MOST_STEPS`), else
+  `fixedInternalStepSize`, else the default experiment's step size, else (in scheduled execution)
+  the shortest interval of a clock, else derived
 - output interval: the default experiment's step size in model exchange; in co-simulation every
   communication point; else derived
 - relative tolerance: the default experiment's; the solver for model exchange falls back on 1e-6
