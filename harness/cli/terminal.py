@@ -4,6 +4,7 @@ elsewhere, lines, tables and bars in which no text is taken for markup."""
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
@@ -39,7 +40,7 @@ def note(text: object) -> None:
 
 def echo(*message: object) -> None:
     """Print a message of an FMU, or of a component and its FMU, on the error stream."""
-    say(" ".join(map(str, message)), stderr=True)
+    print(*message, file=sys.stderr)
 
 
 def say_json(data: Any) -> None:

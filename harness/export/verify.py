@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.export.certificate import Certificate, read_certificate
+from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
 from harness.process.limits import Limits
 from harness.process.task import Teller, run_task
@@ -77,10 +78,14 @@ def replay(
     """
 
     def work(teller: Teller) -> Array:
-        rows, log = [], teller.marker.logged
+        rows: list[list[float]] = []
+
+        def logged(message: LogMessage) -> None:
+            teller.marker.messages.put("parity", message)
+
         with (
             Fmu(path) as fmu,
-            fmu.instantiate("parity", echo=lambda message: log(message.text)) as instance,
+            fmu.instantiate("parity", echo=logged) as instance,
         ):
             instance.enter_initialization_mode(0.0, None, None)
             instance.exit_initialization_mode()

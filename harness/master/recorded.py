@@ -92,11 +92,17 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
         d = descriptions.get(end.component)
         return cells.get(end, "real") if d is None else column_type(d, end.variable)
 
+    def items_of(end: Endpoint) -> tuple[tuple[int, str], ...]:
+        d = descriptions.get(end.component)
+        return () if d is None else d.port(end.variable).details.items
+
     def name_of(end: Endpoint) -> str:
         return bare_name(end.component, end.variable) if system.single else str(end)
 
     return tuple(
-        Column(name_of(end), unit_of(end), ports[end].description, type_of(end))
+        Column(
+            name_of(end), unit_of(end), ports[end].description, type_of(end), items=items_of(end)
+        )
         for end in plan.recorded
     )
 

@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 from harness.compiler import operations as op
 from harness.compiler.operations import CYCLE, INSTANT, OPERATION, ROWS
 from harness.errors import EndRequestedError, HarnessError
-from harness.fmi.binding.logger import LogMessage
+from harness.fmi.binding.logger import LogMessage, left_out
 from harness.fmi.fmu import Fmu
 from harness.instruments.source import named_seed
 from harness.master import host as hosts
 from harness.master.faults import explain
+from harness.master.growth import CouplingGrowth
 from harness.master.host import Host
 from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan, Planner
@@ -115,6 +116,9 @@ def execute(
         if fault is None or isinstance(fault, EndRequestedError):
             for participant in run.participants.values():
                 participant.terminate()
+    if verbose and plan.lowered.fmus and (unseen := left_out()):
+        run.notes.append(unseen)
+    run.notes += filter(None, [run.growth.note()])
     end = system.stop_ns if fault is None else int(host.clock[INSTANT])
     notes = (*run.notes, *(note for p in run.participants.values() for note in p.notes))
     return Outcome(end, fault, time.perf_counter() - began, notes)
@@ -133,6 +137,7 @@ class _Run:
         self.system = plan.lowered.system
         self.participants: dict[str, Participant] = {}
         self.notes: list[str] = []
+        self.growth = CouplingGrowth(plan, descriptions_of(self.system, fmus))
         self.last = self.system.seconds(self.system.start_ns)
         host.clock[INSTANT] = self.system.start_ns
 
@@ -230,6 +235,7 @@ class _Run:
             if self.program.events:
                 times, rows = in_time_order(times, rows)
             self.last = float(times[-1])
+            self.growth.see(times, rows)
             self.recorder.append(times, rows)
 
     def _observe(self, name: str, time: float) -> None:

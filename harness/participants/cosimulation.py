@@ -24,7 +24,7 @@ from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
 from harness.participants.events import ENDED, FULL
 from harness.participants.fmu import FmuParticipant
-from harness.participants.grid import is_close
+from harness.participants.grid import exact, is_close
 from harness.participants.memory import Row
 from harness.system.graph import Endpoint
 
@@ -62,10 +62,16 @@ class CoSimulation(DrivenParticipant):
         super().enter_initialization(start, stop)
         timed = self.inputs.continuous or self.inputs.held
         divides = self.component.policy.discarded_steps == "divide"
+        fixed = self.capabilities.fixed_internal_step_size
+        if fixed and exact(self.seconds) % exact(fixed):
+            self.notes.append(
+                f"component {self.name}: its FMU computes in steps of {fixed:g} s, of which its "
+                f"communication step of {self.seconds:g} s is no multiple"
+            )
         self._direct = not (self.has_events or timed or divides)
         if not self._direct:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
-        self._in_event, self._near, self._last = False, 0, float("nan")
+        self._in_event, self._near, self._last, self._still = False, 0, float("nan"), 0
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}
         self._continuous: dict[int, bool] = {}
@@ -186,6 +192,7 @@ class CoSimulation(DrivenParticipant):
             self._discarded(time, outcome)
         early = outcome.time < planned and not is_close(outcome.time, planned, planned - time)
         reached = outcome.time if early else planned
+        self._judge(time, outcome.time, planned)
         if early and not self.instance.early_return:
             raise FmuError(
                 f"component {self.name}: the step from t = {time:.9g} s to {planned:.9g} s ended "
@@ -193,6 +200,19 @@ class CoSimulation(DrivenParticipant):
             )
         self._after(time, reached, target, outcome, early)
         return reached
+
+    def _judge(self, time: float, reached: float, planned: float) -> None:
+        """A step may not go back, nor stand still for ever."""
+        self._still = self._still + 1 if reached == time else 0
+        if reached < time or reached != reached:
+            raise SimulationError(
+                f"component {self.name}: the step from t = {time:.9g} s to {planned:.9g} s ended "
+                f"at {reached:.9g} s, as the FMU says, which is not within the step"
+            )
+        if self._still > _MOST_EVENTS_AT_ONCE:
+            raise SimulationError(
+                f"component {self.name}: {self.words(x.CHATTERING, 0, f't = {time:.9g} s')}"
+            )
 
     def _after(
         self, time: float, reached: float, target: float, outcome: StepOutcome, early: bool

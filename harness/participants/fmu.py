@@ -77,7 +77,11 @@ class FmuParticipant(Participant):
         self.capabilities = capabilities_of(component.policy, fmu.description)
         self.tolerance = tolerance_of(component.policy, fmu.description)
         self._place = np.zeros(1, dtype=np.int64)
+        if self.capabilities.needs_execution_tool:
+            self.notes.append(f"component {self.name}: its FMU says that it needs its tool to run")
         self.instance = self.instantiate()
+        self.notes += self.instance.notes
+        self.instance.notes = self.notes
 
     def instantiate(self) -> FmuInstance:
         """A new instance of the kind that this participant serves."""

@@ -2,9 +2,10 @@
 
 - start: the default experiment's, else 0
 - stop: the default experiment's, else start + 1 s
-- communication step: the output interval where that was given, else `fixedInternalStepSize`, else
-  the default experiment's step size, else (in scheduled execution) the shortest interval of a
-  clock, else derived
+- communication step: the output interval where that was given (or the FMU's own step, where it
+  takes steps of one size only, of which the run needs no more than `MOST_STEPS`), else
+  `fixedInternalStepSize`, else the default experiment's step size, else (in scheduled execution)
+  the shortest interval of a clock, else derived
 - output interval: the default experiment's step size in model exchange; in co-simulation every
   communication point; else derived
 - relative tolerance: the default experiment's; the solver for model exchange falls back on 1e-6
@@ -95,12 +96,16 @@ def settle(request: Request, d: ModelDescription) -> Settings:
 def _communication(s: Settings, d: ModelDescription, notes: list[str]) -> Settings:
     step = s.step_size
     if step is None:
-        fixed = capabilities(d, s.interface_type).fixed_internal_step_size
+        can = capabilities(d, s.interface_type)
+        fixed = can.fixed_internal_step_size
+        # its own step is the one that an FMU of one step is sure to take
+        own = None if can.can_handle_variable_step else fixed or d.step_size
+        own = own if own and (s.stop_time - s.start_time) / own <= MOST_STEPS else None
         step = _first(fixed or None, s.output_interval, d.step_size or None)
         if step is None and s.interface_type == SCHEDULED_EXECUTION:
             step = fastest(d)
         if s.output_interval is not None:
-            step = _divisor(s.output_interval, fixed)
+            step = own or _divisor(s.output_interval, fixed)
         if step is None:
             step = derived(s.stop_time - s.start_time)
             notes.append(

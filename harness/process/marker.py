@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import mmap
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.compiler.operations import CLOCK_SIZE, CYCLE, INSTANT, OPERATION, ROWS
+from harness.fmi.binding.logger import LONGEST_MESSAGE, LogMessage
+from harness.fmi.wording import shorten
 
 _LOG_LINES = 3
+_MESSAGES, _MESSAGE_BYTES = 2048, LONGEST_MESSAGE + 512
 _PAGE = np.dtype(
-    [(name, np.int64) for name in ("sequence", "place", "chunk", "stop", "logged", "function")]
+    [(name, np.int64) for name in ("sequence", "place", "chunk", "stop", "function")]
     + [("clock", np.int64, CLOCK_SIZE), ("time", np.float64)]
-    + [("component", "S256"), ("call", "S512"), ("log", "S512", _LOG_LINES)]
+    + [("component", "S256"), ("call", "S512")]
 )
 
 WORKING, CALLING, LOOPING = range(3)
@@ -54,6 +58,52 @@ def shared_file(size: int) -> int:
     return descriptor
 
 
+class MessageRing:
+    """The last messages of FMUs in shared memory, so that a worker's death loses none."""
+
+    def __init__(self) -> None:
+        self._memory = mmap.mmap(-1, _MESSAGES * _MESSAGE_BYTES)
+        shared = memoryview(mmap.mmap(-1, 8 * (2 + _MESSAGES))).cast("q")
+        self._count, self._taken, self._lengths = shared[:1], shared[1:2], shared[2:]
+
+    @property
+    def full(self) -> bool:
+        """Whether the next message would overwrite one that is not taken."""
+        return self._count[0] - self._taken[0] >= _MESSAGES
+
+    def put(self, component: str, message: LogMessage) -> bool:
+        """Add a message, in the place of the oldest; whether it is time to take some."""
+        status, category, text = message
+        parts = (component[:100], str(status), category[:100], text)
+        line = "\0".join(parts).encode("utf-8", "replace")[:_MESSAGE_BYTES]
+        number = self._count[0]
+        place = number % _MESSAGES
+        start = place * _MESSAGE_BYTES
+        self._memory[start : start + len(line)] = line
+        self._lengths[place] = len(line)
+        self._count[0] = number + 1
+        return place % (_MESSAGES // 4) == 0
+
+    def take(self) -> Iterator[tuple[str, LogMessage]]:
+        """Components and messages that have come since."""
+        while self._taken[0] < self._count[0]:
+            yield self._at(self._taken[0])
+            self._taken[0] += 1
+
+    def last(self) -> list[str]:
+        """The last ones, oldest first, as phrases for a sentence."""
+        count = self._count[0]
+        found = map(self._at, range(max(0, count - _LOG_LINES), count))
+        return [f"{name}: {shorten(message.text, 300)}" for name, message in found]
+
+    def _at(self, number: int) -> tuple[str, LogMessage]:
+        place = number % _MESSAGES
+        start = place * _MESSAGE_BYTES
+        line = self._memory[start : start + self._lengths[place]].decode("utf-8", "replace")
+        component, status, category, text = line.split("\0", 3)
+        return component, LogMessage(int(status), category, text)
+
+
 class Marker:
     """The shared page. Made before the worker is; both sides use the same object. `clock` is the
     loop's, in `time` long steps tell how far they are (s, shape (1,)) and in `function` in
@@ -69,7 +119,7 @@ class Marker:
         self.time[0], self._inside = np.nan, False
         self._sequence, self._place, self._chunk = page["sequence"], page["place"], page["chunk"]
         self._component, self._call = page["component"], page["call"]
-        self._logged, self._log = page["logged"], page["log"][0]
+        self.messages = MessageRing()
 
     # the worker's side
 
@@ -85,11 +135,6 @@ class Marker:
         self._inside = inside
         self._place[0] = LOOPING if inside else WORKING
         self._sequence[0] += 1
-
-    def logged(self, text: str) -> None:
-        """Keep a line that an FMU logged."""
-        self._log[self._logged[0] % _LOG_LINES] = text.encode()
-        self._logged[0] += 1
 
     def begin_chunk(self, number: int) -> None:
         """The rows of chunk `number` come now, and there are none of it yet."""
@@ -113,12 +158,6 @@ class Marker:
         function = int(self.function[0])
         sequence = int(self._sequence[0])
         return Where(place, sequence, component, call, cycle, now, operation, time, function)
-
-    def log_lines(self) -> list[str]:
-        """The last lines that FMUs logged, oldest first."""
-        count = int(self._logged[0])
-        lines = (self._log[i % _LOG_LINES] for i in range(max(0, count - _LOG_LINES), count))
-        return [line.decode("utf-8", "replace") for line in lines]
 
 
 class RowMemory:

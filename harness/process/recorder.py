@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Callable, Sequence
 
 from harness.errors import HarnessError
-from harness.fmi.binding.logger import LogMessage
 from harness.master.prepared import Echo
 from harness.master.run import Progress, in_time_order
 from harness.process.checkpoint import write_checkpoint
@@ -21,7 +20,7 @@ from harness.results.recording import Recording
 
 class RunRecorder:
     """Records the rows in the memory of `descriptor`, which `marker` counts. The worker tells the
-    methods up to `logged` to be called, `begin` before any other."""
+    methods up to `take_messages` to be called, `begin` before any other."""
 
     def __init__(
         self,
@@ -72,14 +71,16 @@ class RunRecorder:
         except HarnessError as fault:  # a full disk; the one before it stays
             warnings.warn(str(fault), stacklevel=2)
 
-    def logged(self, component: str, message: LogMessage) -> None:
-        """An FMU has logged something."""
+    def take_messages(self) -> None:
+        """FMUs have logged something."""
         if self._echo is not None:
-            self._echo(component, message)
+            for component, message in self._marker.messages.take():
+                self._echo(component, message)
 
     def look(self, share: float) -> None:
         """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
         when all of their texts have come."""
+        self.take_messages()
         if self._early:
             self._record(self._marker.rows(self._chunk) - 1)  # the newest may be half written
         if self._progress is not None:
@@ -87,6 +88,7 @@ class RunRecorder:
 
     def take_rest(self) -> None:
         """The worker has ended: take what it has left of a chunk."""
+        self.take_messages()
         self._record(self._marker.rows(self._chunk))
 
     @property

@@ -82,7 +82,7 @@ class Watch:
                     self._take(worker, worker.connection.recv())
             worker.connection.close()
         if self.fault is None and self.done is None:
-            where, log = self.marker.where(), self.marker.log_lines()
+            where, log = self.marker.where(), self.marker.messages.last()
             self.fault = SimulationError(sentence.death(self._calls, where, code, log))
             self.died, self.code = True, code
         elif self.fault is None and self.done is not None and self.done.fault:
@@ -144,6 +144,6 @@ class Watch:
         if self._notice is not None:
             self.attempt(self._notice, min(1.0, where.cycle / linked.cycles) if linked else 0.0)
         if limit := deadlines.exceeded(where, held):
-            self.exceeded, log = limit, self.marker.log_lines()
+            self.exceeded, log = limit, self.marker.messages.last()
             told = sentence.excess(limit, self._calls, where, self.limits, held, log)
             self.fault, self.died = SimulationError(told), True

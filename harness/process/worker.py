@@ -17,7 +17,6 @@ from harness.compiler.operations import CYCLE, INSTANT
 from harness.errors import ExperimentError, FmuError
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
-from harness.fmi.wording import shorten
 from harness.master.host import Rows, Times
 from harness.master.plan.planner import Plan
 from harness.master.prepared import PreparedSystem
@@ -100,10 +99,13 @@ class _Host(VisibleHost):
         return reason
 
     def logged(self, component: str, message: LogMessage) -> None:
-        """An FMU has logged something."""
-        self._teller.marker.logged(f"{component}: {shorten(message.text, 300)}")
+        """An FMU has logged something; with logging, none is lost."""
+        messages = self._teller.marker.messages
+        if messages.put(component, message) and self._job.logging:
+            self._teller.tell(RunRecorder.take_messages)
         if self._job.logging:
-            self._teller.tell(RunRecorder.logged, component, message)
+            while messages.full:
+                time.sleep(1e-3)
 
     def chunk_rows(self, columns: int) -> int:
         """More than in one process, since every chunk costs two messages."""

@@ -30,7 +30,8 @@ class Column:
     `type` says what a row's 8-byte cell holds. Of "real", "float32", "integer" (float64 holds it
     exactly), "boolean" and "clock" (whether it ticks): the value as float64. Of "int64" and
     "uint64": the integer itself. Of "text" and "binary": an index (int64) into the texts of the
-    run. `held`: a number keeps its value until the next row, as a discrete variable does.
+    run. `held`: a number keeps its value until the next row, as a discrete variable does. `items`:
+    names of an enumeration by number.
     """
 
     name: str
@@ -38,6 +39,11 @@ class Column:
     description: str = ""
     type: str = "real"
     held: bool = False
+    items: tuple[tuple[int, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        """A manifest holds lists."""
+        object.__setattr__(self, "items", tuple((number, name) for number, name in self.items))
 
     @property
     def dtype(self) -> Any:

@@ -119,6 +119,11 @@ class Result:
             raise UsageError(f"{name!r} was recorded as {column.type}, where numbers were expected")
         return self.data[:, self._index[name]]
 
+    def item_names(self, name: str) -> list[str]:
+        """The values of an enumeration by the names of its items; a number that is none as such."""
+        items = dict(self.column(name).items)
+        return [items.get(int(number), str(number)) for number in self[name]]
+
     def column(self, name: str) -> Column:
         """The column called `name`; raises `UsageError` where it was not recorded."""
         if name not in self._columns:

@@ -17,7 +17,7 @@ from pathlib import Path
 from urllib.parse import parse_qs, unquote, urlsplit
 from warnings import warn
 
-from harness.errors import ExperimentError, FmuError, nearest
+from harness.errors import ExperimentError, FmuError, HarnessError, nearest
 from harness.export.certificate import zip_entry
 from harness.fmi.archive.unpack import Archive
 from harness.ssp import DEFAULT, binding
@@ -86,12 +86,20 @@ def open_package(path: str | Path) -> Iterator[Package]:
                 raise ExperimentError(str(fault).replace("FMU", "SSP", 1)) from fault
         elif not (path / DEFAULT).is_file():
             raise ExperimentError(f"folder {path} has no {DEFAULT}; it is no unpacked SSP")
-        others = sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT)
-        files = {
-            name: read_document(SystemStructure, folder / name, f"{path}/{name}")
-            for name in (DEFAULT, *others)
-        }
+        files = {DEFAULT: read_document(SystemStructure, folder / DEFAULT, f"{path}/{DEFAULT}")}
+        for name in sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT):
+            with left_out_where_faulty(f"{path}/{name}"):
+                files[name] = read_document(SystemStructure, folder / name, f"{path}/{name}")
         yield Package(path, folder, files, closed)
+
+
+@contextmanager
+def left_out_where_faulty(where: str) -> Iterator[None]:
+    """A fault of a description other than the default one is a warning: the others may be run."""
+    try:
+        yield
+    except HarnessError as fault:
+        warn(f"the variant {where} is left out: {fault}", stacklevel=3)
 
 
 def save_package(

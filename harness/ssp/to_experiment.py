@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from pathlib import Path
@@ -32,7 +32,7 @@ from harness.ssp.change import as_float
 from harness.ssp.common import LinearTransformation
 from harness.ssp.defaults import own_steps, times
 from harness.ssp.flatten import FlatWire, change_along, flat_wires
-from harness.ssp.package import Package, open_package, read_bytes
+from harness.ssp.package import Package, left_out_where_faulty, open_package, read_bytes
 from harness.ssp.ports import Ports
 from harness.ssp.settings import check_names, safe_name, settings_of, unique
 from harness.ssp.start_values import start_values
@@ -78,9 +78,11 @@ def open_experiment(
         names = variant_names(package)
         variants: dict[str, Table] = {}
         for file in _ordered(package, names):
-            tree = build_tree(package, file, stack)
-            table = _Importer(package, file, Ports(tree, describe), in_process).table()
-            variants[names[file]] = merge(table, settings or {})
+            others = file != next(iter(names))
+            with left_out_where_faulty(package.where(file)) if others else nullcontext():
+                tree = build_tree(package, file, stack)
+                table = _Importer(package, file, Ports(tree, describe), in_process).table()
+                variants[names[file]] = merge(table, settings or {})
         report = next(iter(variants.values())).get("report", {})
         for table in variants.values():
             table.pop("order", None)

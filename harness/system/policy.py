@@ -18,8 +18,9 @@ validate        faults of the description end the run; without, those that let i
 An FMU that asks for the end of the simulation ends it: alone that is a complete run, in a system a
 fault, since the others have not come to their stop time. Terminate is called where the last call
 was no fault; what it returns then changes nothing, since all rows are there: it is a note. The stop
-time is told to the FMU. FMUs of FMI 1 and 2 that return Pending are waited for. Intermediate update
-is not asked for: no callback is given, and nothing that the standard grants depends on one.
+time is told to the FMU. FMUs of FMI 1 and 2 that return Pending are waited for, as long as a call
+may last. Intermediate update is not asked for: no callback is given, and nothing that the standard
+grants depends on one.
 """
 
 from __future__ import annotations

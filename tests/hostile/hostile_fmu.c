@@ -273,7 +273,10 @@ static void spoil(const Fault *fault, double *values, size_t n) {
     if (fault && n && !strcmp(fault->action, "infinite")) values[0] = INFINITY;
 }
 
-EXPORT const char *F(GetVersion)(void) { return FMI == 2 ? "2.0" : "3.0"; }
+EXPORT const char *F(GetVersion)(void) {
+    if (due("GetVersion", NULL)) return "1.0"; /* whatever the action is called */
+    return FMI == 2 ? "2.0" : "3.0";
+}
 EXPORT const char *F(GetTypesPlatform)(void) { return "default"; }
 EXPORT int F(SetDebugLogging)(void *c, int on, size_t n, const char *const names[]) {
     GUARD("SetDebugLogging");
@@ -328,6 +331,13 @@ EXPORT int fmi2DoStep(void *c, double t, double h, int no_set_state) {
     step(c, t, half ? h / 2 : h);
     return half ? DISCARD : status_of(fault);
 }
+/* "GetStatus pending": the step that is pending never ends. */
+EXPORT int fmi2GetStatus(void *c, int kind, int *value) {
+    const Fault *fault = due("GetStatus", c);
+    (void)kind;
+    *value = status_of(fault);
+    return OK;
+}
 EXPORT int fmi2GetRealStatus(void *c, int kind, double *value) {
     (void)kind;
     *value = ((Lag *)c)->time;
@@ -372,6 +382,8 @@ EXPORT int fmi3GetString(void *c, const unsigned *vr, size_t n, const char **val
     if (n != 1 || m != 1 || vr[0] != 5) return ERROR;
     snprintf(lag->word, sizeof lag->word, "%.9g", lag->x);
     values[0] = lag->word;
+    if (fault && !strcmp(fault->action, "no_text")) values[0] = NULL;
+    if (fault && !strcmp(fault->action, "latin_1")) values[0] = "caf\xe9";
     return status_of(fault);
 }
 EXPORT int fmi3SetFloat64(void *c, const unsigned *vr, size_t n, const double *values, size_t m) {
@@ -379,11 +391,12 @@ EXPORT int fmi3SetFloat64(void *c, const unsigned *vr, size_t n, const double *v
     int status = m == n ? put(c, vr, n, values) : ERROR;
     return status ? status : status_of(fault);
 }
-/* "middle", "backwards", "last_nan": the time that a step says to have reached; with "early_" or
+/* "middle", "still", "backwards", "last_nan": the time that a step says to have reached; with "early_" or
    "discard_" before it, in a step that ends so. */
 static double reached(const char *action, double t, double h) {
     if (strstr(action, "middle")) return t + h / 2;
     if (strstr(action, "backwards")) return t - h;
+    if (strstr(action, "still")) return t;
     return strstr(action, "last_nan") ? (double)NAN : t + h;
 }
 
@@ -403,6 +416,14 @@ EXPORT int fmi3DoStep(void *c, double t, double h, bool no_set_state, bool *even
     if (fault && !strcmp(fault->action, "terminate")) *terminate = true;
     if (fault && !strncmp(fault->action, "early", 5)) *early = true;
     return status_of(fault);
+}
+EXPORT int fmi3EnterEventMode(void *c) { return OK; }
+EXPORT int fmi3EnterStepMode(void *c) { return OK; }
+EXPORT int fmi3UpdateDiscreteStates(void *c, bool *needs, bool *ends, bool *nominals, bool *values,
+                                    bool *timed, double *next) {
+    (void)c, (void)next;
+    *needs = *ends = *nominals = *values = *timed = false;
+    return OK;
 }
 #define STATE(verb) fmi3##verb##FMUState
 #define SIZE fmi3SerializedFMUStateSize

@@ -66,6 +66,7 @@ class Archive:
                 self._check_size(members)
                 check_members(self.path, members)
                 left = MAX_BYTES
+                self._made: set[str] = set()  # asking the file system takes longer than writing
                 for member in members:
                     left -= self._extract(archive, member, left)
         except _BROKEN as fault:
@@ -90,13 +91,15 @@ class Archive:
     def _extract(self, archive: zipfile.ZipFile, member: zipfile.ZipInfo, left: int) -> int:
         """Write one member, or compare one that is there again; its number of bytes, which may
         not exceed `left`."""
-        target = self.folder.joinpath(*(part for part in member.filename.split("/") if part))
+        target = "/".join([str(self.folder), *filter(None, member.filename.split("/"))])
+        folder = target if member.is_dir() else target.rpartition("/")[0]
+        if folder not in self._made:
+            Path(folder).mkdir(parents=True, exist_ok=True)
+        written, again = 0, target in self._made
+        self._made |= {folder, target}
         if member.is_dir():
-            target.mkdir(parents=True, exist_ok=True)
             return 0
-        target.parent.mkdir(parents=True, exist_ok=True)
-        written, again = 0, target.is_file()
-        with archive.open(member) as source, target.open("rb" if again else "xb") as made:
+        with archive.open(member) as source, Path(target).open("rb" if again else "xb") as made:
             while piece := source.read(_PIECE):
                 written += len(piece)
                 if written > min(left, member.file_size):

@@ -21,6 +21,7 @@ from harness.fmi.binding.instance import (
     StepOutcome,
 )
 from harness.fmi.binding.logger import C_LIBRARY, variadic_logger
+from harness.fmi.binding.mark import calling, returned
 from harness.fmi.description.model_description import INTEGER_TYPES, REAL_TYPES
 
 _PENDING = 5
@@ -80,12 +81,16 @@ class Fmi1Or2Instance(FmuInstance):
 
     def _final(self, status: int) -> int:
         """The status in which a step ends that an FMU does in the background (Pending)."""
+        if status != _PENDING:
+            return status
         kind, found = ctypes.c_int(_DO_STEP_STATUS), ctypes.pointer(ctypes.c_int(status))
-        while status == _PENDING:
+        self.call("GetStatus", kind, found)
+        calling(self.name, f"{self.symbol('GetStatus')} (the step is pending)")  # one long call
+        while found.contents.value == _PENDING:
             sleep(1e-4)
-            self.call("GetStatus", kind, found)
-            status = found.contents.value
-        return status
+            self.check(self._functions["GetStatus"](self.handle, kind, found), "GetStatus")
+        returned()
+        return found.contents.value
 
     def step_status(self, name: str, kind: int, otherwise: Any) -> Any:
         """What the FMU says of its last step, `otherwise` (of ctypes) where it does not know."""

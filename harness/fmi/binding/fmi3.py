@@ -19,7 +19,7 @@ from harness.fmi.binding.instance import (
 )
 from harness.fmi.binding.interface import SCHEDULED_EXECUTION
 from harness.fmi.binding.library import instantiating
-from harness.fmi.binding.logger import fmi3_logger
+from harness.fmi.binding.logger import plain_logger
 from harness.fmi.binding.values import NATIVE_TYPES
 
 _INTERVAL_CHANGED = 2
@@ -61,7 +61,7 @@ class Fmi3Instance(FmuInstance):
         return self.create(
             instantiating(self.interface_type),
             s(self.name.encode()), s(self.description.token.encode()), s(path), b(False),
-            b(logging), *modes, p(self._environment), fmi3_logger, *others,
+            b(logging), *modes, p(self._environment), p(plain_logger()), *others,
         )  # fmt: skip
 
     clock_updates = 0

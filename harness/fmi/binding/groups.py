@@ -10,7 +10,10 @@ from harness.fmi.description.model_description import Variable
 
 
 class Group:
-    """Variables of one C type, the elements of arrays one after the other."""
+    """Variables of one C type, the elements of arrays one after the other; `tell` receives what is
+    wrong with texts that were read."""
+
+    tell: Callable[[str], None]
 
     def __init__(
         self,
@@ -51,8 +54,20 @@ class Group:
             places = zip(self._sizes, self._data, strict=True)
             return [ctypes.string_at(place, n) if place and n else b"" for n, place in places]
         if self._suffix == "String":
-            return [(item or b"").decode("utf-8", "replace") for item in self._data]
+            return list(map(self._text, self._data))
         return list(self._data)
+
+    def _text(self, item: bytes | None) -> str:
+        if item is None:
+            self.tell(
+                f"a null pointer instead of a string was read{self._what}; it is taken for ''"
+            )
+            return ""
+        try:
+            return item.decode()
+        except UnicodeDecodeError:
+            self.tell(f"a string that is not UTF-8 was read{self._what}; '\ufffd' replaces bytes")
+            return item.decode("utf-8", "replace")
 
     def write(self, values: Sequence[Any]) -> None:
         """Set all elements, given in the order of the group."""

@@ -32,6 +32,7 @@ from harness.fmi.binding.logger import LogMessage, MessageLog, forget, register,
 from harness.fmi.binding.mark import calling, returned
 from harness.fmi.binding.values import Value, Values, from_c, opposite, to_c
 from harness.fmi.description.model_description import ModelDescription, Variable
+from harness.fmi.wording import shorten
 
 __all__ = ["CO_SIMULATION", "MODEL_EXCHANGE", "DiscreteStates", "FmuInstance", "InterfaceType",
            "StepOutcome", "Value", "capabilities"]  # fmt: skip
@@ -43,7 +44,8 @@ FATAL = 4
 class FmuInstance(ABC):
     """An instantiated FMU; use as a context manager, or call `free`.
 
-    `handle` is the component pointer, `log` the messages received so far.
+    `handle` is the component pointer, `log` the messages received so far, `notes` what the FMU did
+    against the standard without harm.
     """
 
     def __init__(
@@ -76,7 +78,10 @@ class FmuInstance(ABC):
         returned()
         self._functions: dict[str, Any] = {}
         self._refuse_when_dead()
-        self._environment = register(self.log, name if description.fmi_major == 1 else "")
+        self.notes: list[str] = []
+        self._compare_version()
+        known_as = name if description.fmi_major == 1 else ""
+        self._environment = register(self.log, known_as, logging=logging)
         calling(name, f"{self.prefix}Instantiate")
         self.handle = self._instantiate(folder, logging)
         returned()
@@ -87,6 +92,20 @@ class FmuInstance(ABC):
                 f"{self.log.reasons()}"
             )
         self._library.instances += 1
+
+    def _compare_version(self) -> None:
+        """A library of another version of FMI than the description is noted."""
+        if self.offers("GetVersion"):
+            calling(self.name, f"{self.prefix}GetVersion")
+            said = ctypes.CFUNCTYPE(ctypes.c_char_p)(self.address("GetVersion"))() or b""
+            returned()
+            version = said.decode("utf-8", "replace")
+            if version.partition(".")[0] != str(self.description.fmi_major):
+                self.notes.append(
+                    f"component {self.name}: its library says that it is of FMI "
+                    f"{shorten(version)!r}, its description that it is of FMI "
+                    f"{self.description.fmi_version}"
+                )
 
     prefix: str
     boolean: Any
@@ -263,7 +282,14 @@ class FmuInstance(ABC):
         suffix, ctype = self.types[kind]
         sized = self.prefix == "fmi3" and suffix != "Clock"
         count = sum(map(self.count, variables))
-        return Group(self.call, suffix, ctype, variables, count, sized=sized)
+        group = Group(self.call, suffix, ctype, variables, count, sized=sized)
+        group.tell = self._note
+        return group
+
+    def _note(self, what: str) -> None:
+        note = f"component {self.name}: {what}"
+        if note not in self.notes:
+            self.notes.append(note)
 
     def shape(self, variable: Variable) -> tuple[int, ...]:
         """The sizes of an array with the structural parameters in force; () for a scalar."""

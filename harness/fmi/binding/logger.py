@@ -4,8 +4,10 @@ FMI 1 and 2 hand over a printf format with its arguments, which Python cannot re
 C function, emitted here once per process, passes them on as a va_list, from which the C library's
 vsnprintf makes the text. Formats that would make the C library crash are shown as they are.
 
-An FMU may call back at any time, from any thread, with null or garbage, a million times: what is
-kept of it is bounded, and no exception leaves a callback.
+An FMU may call back at any time, from any thread, with null or garbage, a million times. So a gate
+in compiled code lets only so many messages through, and counts the others without calling Python;
+those that report trouble (Discard and worse) always pass. What is held is bounded, and no exception
+leaves a callback.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from harness.fmi.binding.formats import expandable
 from harness.fmi.wording import shorten
@@ -27,8 +29,9 @@ STATUS_NAMES = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 MOST_MESSAGES = 200
 LONGEST_MESSAGE = 4096
 """Characters of a message that are kept."""
+MOST_A_RUN = {True: 100_000, False: 1000}
+"""Messages that pass in a run, by whether FMUs are asked to log."""
 
-_VSNPRINTF = "_vsnprintf" if sys.platform == "win32" else "vsnprintf"
 _REASON = 500  # characters of messages in an error
 
 
@@ -37,8 +40,7 @@ def status_name(status: int) -> str:
     return STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
 
 
-@dataclass(frozen=True)
-class LogMessage:
+class LogMessage(NamedTuple):
     """One message of an FMU."""
 
     status: int
@@ -46,7 +48,10 @@ class LogMessage:
     text: str
 
     def __str__(self) -> str:
-        return f"[{status_name(self.status)}] {self.category}: {self.text}"
+        line = f"[{status_name(self.status)}] {self.category}: {self.text}"
+        if not line.isprintable():  # nothing in it may command a terminal
+            line = "".join(c if c.isprintable() or c in "\n\t" else " " for c in line)
+        return line
 
 
 @dataclass
@@ -65,7 +70,7 @@ class MessageLog:
         message = LogMessage(status, _decoded(category), _decoded(text).rstrip())
         self.count += 1
         self.messages.append(message)
-        if self.echo is not None:
+        if self.echo is not None and _gate[0] >= 0:
             try:
                 self.echo(message)
             except Exception:
@@ -83,6 +88,10 @@ def _decoded(raw: bytes | None) -> str:
 
 
 C_LIBRARY = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+_expand = ctypes.PyDLL(C_LIBRARY._name)["_vsnprintf" if sys.platform == "win32" else "vsnprintf"]
+_expand.argtypes = ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_void_p
+_text = ctypes.create_string_buffer(LONGEST_MESSAGE + 1)  # PyDLL: one thread at a time writes it
+_gate = (ctypes.c_int64 * 2)()  # messages that may yet pass, and those that were left out
 _FMI3_LOGGER = ctypes.CFUNCTYPE(
     None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
 )
@@ -94,9 +103,11 @@ _LOGGER = ctypes.CFUNCTYPE(
 _logs: dict[int | bytes, MessageLog] = {}
 
 
-def register(log: MessageLog, name: str = "") -> int:
+def register(log: MessageLog, name: str = "", *, logging: bool = False) -> int:
     """`log` receives the messages of the instance whose environment is the number returned, or
-    that is called `name`: FMI 1 has no environment."""
+    that is called `name`: FMI 1 has no environment. With the first instance a run begins."""
+    if not _logs:
+        _gate[0], _gate[1] = MOST_A_RUN[logging], 0
     _logs[name.encode() or id(log)] = log
     return id(log)
 
@@ -107,9 +118,14 @@ def forget(log: MessageLog) -> None:
         del _logs[key]
 
 
+def left_out() -> str:
+    """How many messages of the present or last run did not pass, as a note; "" for none."""
+    many = MOST_A_RUN[True]
+    return f"{_gate[1]} messages of FMUs were left out after {many}" if _gate[1] else ""
+
+
 @_FMI3_LOGGER  # type: ignore[untyped-decorator]
-def fmi3_logger(environment: Any, status: int, category: Any, text: Any) -> None:
-    """The log callback of FMI 3."""
+def _receive_text(environment: Any, status: int, category: Any, text: Any) -> None:
     log = _logs.get(environment or 0)
     if log is not None:
         log.add(status, category, text)
@@ -126,17 +142,15 @@ def _receive(
 
 def _expanded(form: bytes, arguments: int) -> bytes:
     """A printf format with the va_list at address `arguments`, or as it is where that is unsafe."""
-    text = ctypes.create_string_buffer(LONGEST_MESSAGE + 1)
     with suppress(Exception):
-        if expandable(form, arguments):
-            size, given = ctypes.c_size_t(LONGEST_MESSAGE), ctypes.c_void_p(arguments)
-            getattr(C_LIBRARY, _VSNPRINTF)(text, size, form, given)
-            return text.value
+        if b"%" in form and expandable(form, arguments):
+            _expand(_text, LONGEST_MESSAGE, form, arguments)
+            return _text.value
     return form
 
 
 @cache
-def _code() -> tuple[Any, int]:
+def _code() -> tuple[Any, int, int]:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -146,7 +160,10 @@ def _code() -> tuple[Any, int]:
     module = llvm.parse_assembly(_ir())
     engine.add_module(module)
     engine.finalize_object()
-    return (engine, machine, module), engine.get_function_address("fmu_harness_logger")
+    variadic, plain = map(
+        engine.get_function_address, ("fmu_harness_variadic", "fmu_harness_plain")
+    )
+    return (engine, machine, module), variadic, plain
 
 
 def variadic_logger() -> int:
@@ -154,25 +171,55 @@ def variadic_logger() -> int:
     return _code()[1]
 
 
+def plain_logger() -> int:
+    """Address of `void logger(env, status, category, text)` of FMI 3."""
+    return _code()[2]
+
+
 def _ir() -> str:
-    receiver = ctypes.cast(_receive, ctypes.c_void_p).value
+    variadic, plain = (ctypes.cast(f, ctypes.c_void_p).value for f in (_receive, _receive_text))
     # where va_list is an array (System V, AAPCS64) its address is passed, elsewhere its content
     x86_64 = "x86_64" in platform.machine().lower()
     by_value = sys.platform == "win32" or (sys.platform == "darwin" and not x86_64)
     load = "%list = load i8*, i8** %slot" if by_value else "%list = bitcast i8** %slot to i8*"
+    gate = f"""
+  %left = load i64, i64* inttoptr (i64 {ctypes.addressof(_gate)} to i64*)
+  %less = sub i64 %left, 1
+  store i64 %less, i64* inttoptr (i64 {ctypes.addressof(_gate)} to i64*)
+  %open = icmp sgt i64 %left, 0
+  %trouble = icmp ugt i32 %status, 1
+  %passes = or i1 %open, %trouble
+  %out = load i64, i64* inttoptr (i64 {ctypes.addressof(_gate) + 8} to i64*)
+  %closed = xor i1 %open, 1
+  %one = zext i1 %closed to i64
+  %now = add i64 %out, %one
+  store i64 %now, i64* inttoptr (i64 {ctypes.addressof(_gate) + 8} to i64*)
+  br i1 %passes, label %pass, label %end
+pass:"""
     return f"""
 declare void @llvm.va_start(i8*)
 declare void @llvm.va_end(i8*)
-define void @fmu_harness_logger(
+define void @fmu_harness_variadic(
     i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, ...) {{
   %area = alloca [8 x i64], align 16
+  {gate}
   %slot = bitcast [8 x i64]* %area to i8**
   %raw = bitcast [8 x i64]* %area to i8*
   call void @llvm.va_start(i8* %raw)
   {load}
-  %receive = inttoptr i64 {receiver} to void (i8*, i8*, i32, i8*, i8*, i8*)*
+  %receive = inttoptr i64 {variadic} to void (i8*, i8*, i32, i8*, i8*, i8*)*
   call void %receive(i8* %env, i8* %name, i32 %status, i8* %category, i8* %format, i8* %list)
   call void @llvm.va_end(i8* %raw)
+  br label %end
+end:
+  ret void
+}}
+define void @fmu_harness_plain(i8* %env, i32 %status, i8* %category, i8* %text) {{
+  {gate}
+  %receive = inttoptr i64 {plain} to void (i8*, i32, i8*, i8*)*
+  call void %receive(i8* %env, i32 %status, i8* %category, i8* %text)
+  br label %end
+end:
   ret void
 }}
 """

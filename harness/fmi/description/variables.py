@@ -6,7 +6,7 @@ References are resolved to names. What cannot be meant is left out of the variab
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import prod
 from typing import Any
@@ -73,18 +73,45 @@ class VariableReader:
         made = [(one, self._variable(one)) for one in self.entries]
         if self._major == 3:
             made += [(one, alias) for one, v in made for alias in self._aliases(one, v)]
-        found: dict[str, Variable] = {}
-        for one, variable in made:
-            if variable.name in found:
-                text = f'has the variable name "{shorten(variable.name)}" twice: it is not unique'
-                self._document.tell(one.element, text, Harm.AMBIGUOUS, "unique name")
-            found[variable.name] = variable
+        found = {variable.name: variable for _, variable in made}
+        if len(found) < len(made):
+            self._judge_names(made, found)
         self._judge_sizes(found)
         if self._major == 3 and sum(v.causality == "independent" for v in found.values()) != 1:
             text, cited = "has not one independent variable", rule("independent", 3)
             self._document.faults.append(Fault(Harm.NONE, text, rule=cited))
         if self._major == 2:
             self._judge_inputs(found)
+        return found
+
+    def _judge_names(
+        self, made: Sequence[tuple[Entry, Variable]], found: dict[str, Variable]
+    ) -> None:
+        """A name of several variables is ambiguous; local ones to which the description does not
+        refer are left out of `found`, so that whoever means one is told that there is none."""
+        kinds: dict[str, set[str]] = {}
+        again: list[tuple[Entry, str]] = []
+        for one, v in made:
+            again += [(one, v.name)] if v.name in kinds else []
+            kinds.setdefault(v.name, set()).add(v.causality)
+        referred = self._referred(v for _, v in made)
+        for one, name in again:
+            text, harm = f'has the variable name "{shorten(name)}" twice: ', Harm.AMBIGUOUS
+            if kinds[name] == {"local"} and name not in referred:
+                found.pop(name, None)
+                text, harm = f"{text}local variables that are left out, since ", Harm.NONE
+            self._document.tell(one.element, f"{text}it is not unique", harm, "unique name")
+
+    def _referred(self, variables: Iterable[Variable]) -> set[str]:
+        """The names to which other variables or the model structure refer."""
+        keys = ("index", "valueReference", "dependencies")
+        structure = self._document.root.iterfind("ModelStructure//*")
+        texts = [element.get(key, "") for element in structure for key in keys]
+        numbers = {integer(number) for text in texts for number in text.split()}
+        found = {self.numbered[number].name for number in numbers & self.numbered.keys()}
+        for v in variables:
+            names = (v.derivative_of, v.details.alias_of, v.details.previous, *v.details.clocks)
+            found |= {name for name in (*names, *map(str, v.dimensions)) if name is not None}
         return found
 
     def _variable(self, one: Entry) -> Variable:
@@ -259,7 +286,7 @@ class VariableReader:
         """FMI 2: one value reference of one type is one value, so it can have one source only."""
         first: dict[tuple[str, int], Entry] = {}
         for one in self.entries:
-            if variables[one.name].causality == "input":
+            if one.name in variables and variables[one.name].causality == "input":
                 other = first.setdefault(one.base, one)
                 if other.name != one.name:
                     text = f"has the inputs {quoted(other.name)} and {quoted(one.name)} with the "

@@ -170,6 +170,7 @@ class MockInstance:
         self.handle = 4242
         self.log = MessageLog(echo)
         self.calls: list[str] = []
+        self.notes: list[str] = []
         self.statuses, self.hook, self.flags = fmu.statuses, fmu.hook, fmu.flags
         self.dead, self.ended = False, False
         variables = list(self.description.variables.values())

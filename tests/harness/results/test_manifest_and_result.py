@@ -37,6 +37,7 @@ def test_the_manifest_is_there_while_the_run_goes_on_and_complete_after_it(tmp_p
     assert after["versions"]["numpy"] == np.__version__
     assert after["columns"][0] == {
         "name": "plant.force", "unit": "N", "description": "", "type": "real", "held": False,
+        "items": [],
     }  # fmt: skip
     assert after["wall_time"] > 0
     assert read_recording(folder).manifest.fmus[0].file == "plant.fmu"
