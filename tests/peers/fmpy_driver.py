@@ -1,5 +1,5 @@
-"""An order carried out with FMPy: packages by its own function, FMUs (FMI 2 and 3) by a master of
-a few lines on its own classes.
+"""An order carried out with FMPy: packages and equations by its own functions, FMUs (FMI 2 and 3)
+by a master of a few lines on its own classes.
 
 That master steps one FMU after the other, in their order, each with what those before it have just
 written: the controller first, then the plant.
@@ -11,12 +11,13 @@ import shutil
 from dataclasses import dataclass
 from typing import Any
 
-from fmpy import extract, read_model_description
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.ssp.simulation import simulate_ssp
 
-from tests.peers.order import Order, answer, read_order
+from tests.peers.order import TOLERANCE, Order, answer, read_order
 
 
 @dataclass
@@ -95,9 +96,30 @@ def rows_of_package(order: Order) -> list[list[float]]:
     return [[float(row[port]) for port in order.outputs] for row in found]
 
 
+def rows_of_equations(order: Order) -> list[list[float]]:
+    """Under inputs that FMPy is given two rows of wherever they jump."""
+    ((name, path),) = order.fmus.items()
+    rows = [(k * order.step, *row) for k, row in enumerate(order.rows())]
+    held = [(after[0], *before[1:]) for before, after in zip(rows, rows[1:], strict=False)]
+    inputs = [port.removeprefix(f"{name}.") for port in order.inputs]
+    found = simulate_fmu(
+        path, fmi_type="ModelExchange", stop_time=order.steps * order.step,
+        output_interval=order.step, relative_tolerance=TOLERANCE, record_events=False,
+        output=[port.removeprefix(f"{name}.") for port in order.outputs],
+        input=np.array(
+            sorted([*rows, *held], key=lambda row: row[0]),
+            dtype=[("time", float), *((one, float) for one in inputs)],
+        ),
+    )  # fmt: skip
+    return [list(row)[1:] for row in found.tolist()[1:]]
+
+
 def main() -> None:
     order = read_order()
-    answer((rows_of_package if order.package else rows_of_fmus)(order))
+    if order.interface == "model-exchange":
+        answer(rows_of_equations(order))
+    else:
+        answer((rows_of_package if order.package else rows_of_fmus)(order))
 
 
 main()

@@ -17,7 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).parents[2]
+TOLERANCE = 1e-8
 _MARK = "answer: "
+
+
+class Refused(Exception):
+    """A tool did not do what it was asked to; what it said."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,8 @@ class Order:
     `wires` are pairs of ports "component.variable", from an output to an input. Row k of the
     columns `inputs` is set before step k; `outputs` are reported after each step; `start_values`
     are set before initialisation; a package says all three itself. All variables are real numbers.
+    `program` is the path of a tool that is one; `interface` is "co-simulation", or
+    "model-exchange", which the tool's own solver integrates to a relative tolerance of `TOLERANCE`.
     """
 
     fmus: dict[str, str]
@@ -38,6 +45,8 @@ class Order:
     wires: list[tuple[str, str]] = field(default_factory=list)
     start_values: dict[str, float] = field(default_factory=dict)
     package: str = ""
+    program: str = ""
+    interface: str = "co-simulation"
 
     def rows(self) -> Iterator[list[float]]:
         """What is set before each step, in the order of `inputs`."""
@@ -55,17 +64,27 @@ def answer(rows: list[list[float]]) -> None:
 
 
 def run_in(tool: str, order: Order) -> NDArray[np.float64]:
-    """The rows that `tests/peers/<tool>_driver.py` answers, shape (steps, outputs)."""
+    """The rows that `tests/peers/<tool>_driver.py` answers, shape (steps, outputs).
+
+    Raises `Refused`. The folder of the environment's shared libraries is searched, where PyPI's
+    `tbb` puts the one that Ecos and libcosim are linked with.
+    """
+    libraries = [str(Path(sys.prefix, "lib")), os.environ.get("LD_LIBRARY_PATH", "")]
     done = subprocess.run(
         [sys.executable, "-m", f"tests.peers.{tool}_driver"],
         input=json.dumps(asdict(order)),
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path]),
+            "LD_LIBRARY_PATH": os.pathsep.join(filter(None, libraries)),
+        },
         capture_output=True,
         text=True,
         check=False,
         timeout=120,
     )
-    assert done.returncode == 0, f"{tool} ended with {done.returncode}: {done.stderr[-2000:]}"
+    if done.returncode != 0:
+        raise Refused(f"{tool} ended with {done.returncode}: {done.stderr[-2000:].strip()}")
     lines = [line for line in done.stdout.splitlines() if line.startswith(_MARK)]
     return np.array(json.loads(lines[-1].removeprefix(_MARK)))

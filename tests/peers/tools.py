@@ -6,7 +6,10 @@ import importlib.util
 
 import pytest
 
-TOOLS = {"fmpy": "fmpy", "ecos": "ecospy", "libcosim": "libcosimpy"}
+TOOLS = {"fmpy": "fmpy", "casadi": "casadi", "ecos": "ecospy", "libcosim": "libcosimpy"}
+
+SOLVERS = {"fmpy", "casadi", "fmusim", "fmucheck"}
+"""Those that solve equations (model exchange)."""
 
 
 def installed(tool: str) -> bool:
