@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import casadi as ca

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -100,7 +101,7 @@ def rows_of_equations(order: Order) -> list[list[float]]:
     """Under inputs that FMPy is given two rows of wherever they jump."""
     ((name, path),) = order.fmus.items()
     rows = [(k * order.step, *row) for k, row in enumerate(order.rows())]
-    held = [(after[0], *before[1:]) for before, after in zip(rows, rows[1:], strict=False)]
+    held = [(after[0], *before[1:]) for before, after in pairwise(rows)]
     inputs = [port.removeprefix(f"{name}.") for port in order.inputs]
     found = simulate_fmu(
         path, fmi_type="ModelExchange", stop_time=order.steps * order.step,

@@ -8,8 +8,7 @@ from pathlib import Path
 from tests.peers.order import answer, read_order
 from tests.peers.program import rows_by
 
-
-SUBSTEPS = 400
+SUBSTEPS = 4000
 
 
 def main() -> None:
@@ -18,10 +17,10 @@ def main() -> None:
     order = read_order()
 
     def arguments(path: str, given: Path, found: Path) -> list[str]:
-        kind = "cs" if order.interface == "co-simulation" else "me"
-        step = order.step if kind == "cs" else order.step / SUBSTEPS
+        cs = order.interface == "co-simulation"
+        kind, step = ("cs", order.step) if cs else ("me", order.step / SUBSTEPS)
         asked = ["-k", kind, "-h", repr(step), "-s", repr(order.steps * order.step)]
-        asked += ["-n", "0", "-l", "2", "-f", "-o", str(found)]
+        asked += ["-n", str(0 if cs else order.steps), "-l", "2", "-o", str(found)]
         return [*asked, *(["-i", str(given)] if order.inputs else []), path]
 
     instants = accumulate(repeat(order.step, order.steps - 1), initial=0.0)

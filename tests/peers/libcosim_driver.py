@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+
+from libcosimpy._internal import get_last_error_message
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
@@ -21,8 +25,12 @@ def from_fmus(order: Order) -> tuple[CosimExecution, Places]:
     execution = CosimExecution.from_step_size(step_size=round(order.step * 1e9))
     places: Places = {}
     for name, path in order.fmus.items():
-        index = execution.add_local_slave(CosimLocalSlave(fmu_path=path, instance_name=name))
-        assert index >= 0, f"{path} was not accepted"
+        slave = CosimLocalSlave(fmu_path=path, instance_name=name)
+        if not slave.ptr():  # its destructor would end this process without a word
+            print(get_last_error_message(), file=sys.stderr, flush=True)
+            os._exit(1)
+        index = execution.add_local_slave(slave)
+        assert index >= 0, get_last_error_message()
         places |= variables(execution, name, index)
     for source, target in order.wires:
         execution.connect_real_variables(*places[source], *places[target])

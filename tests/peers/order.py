@@ -21,7 +21,7 @@ TOLERANCE = 1e-8
 _MARK = "answer: "
 
 
-class Refused(Exception):
+class RefusedError(Exception):
     """A tool did not do what it was asked to; what it said."""
 
 
@@ -66,8 +66,8 @@ def answer(rows: list[list[float]]) -> None:
 def run_in(tool: str, order: Order) -> NDArray[np.float64]:
     """The rows that `tests/peers/<tool>_driver.py` answers, shape (steps, outputs).
 
-    Raises `Refused`. The folder of the environment's shared libraries is searched, where PyPI's
-    `tbb` puts the one that Ecos and libcosim are linked with.
+    Raises `RefusedError`. Shared libraries are searched in the environment, too, where PyPI's `tbb`
+    puts the one that Ecos and libcosim are linked with.
     """
     libraries = [str(Path(sys.prefix, "lib")), os.environ.get("LD_LIBRARY_PATH", "")]
     done = subprocess.run(
@@ -85,6 +85,6 @@ def run_in(tool: str, order: Order) -> NDArray[np.float64]:
         timeout=120,
     )
     if done.returncode != 0:
-        raise Refused(f"{tool} ended with {done.returncode}: {done.stderr[-2000:].strip()}")
+        raise RefusedError(done.stderr[-2000:].strip() or f"{tool} ended with {done.returncode}")
     lines = [line for line in done.stdout.splitlines() if line.startswith(_MARK)]
     return np.array(json.loads(lines[-1].removeprefix(_MARK)))

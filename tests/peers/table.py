@@ -1,10 +1,11 @@
-"""What was tried in which tool, as a table in Markdown, measured anew:
+"""Our loops in other tools, as a table in Markdown, measured anew:
 
     python -m tests.peers.table
 
 It takes some minutes, more where FMUs are yet to be built. A cell says how far the tool's numbers
-are from ours and, for a closed loop, by how many samples the loop there is later than ours: the
-delay on the wire from the controller to the plant with which ours comes nearest.
+are from ours, and by how many samples the loop there is later than ours: the delay on the wire
+from the controller to the plant with which ours comes nearest. Single FMUs:
+`benchmarks.exports_elsewhere`.
 """
 
 from __future__ import annotations
@@ -23,8 +24,7 @@ from numpy.typing import NDArray
 
 from tests.peers import loops, ssp_loops
 from tests.peers.order import run_in
-from tests.peers.replays import controllers, plants, replayed
-from tests.peers.tools import TOOLS, installed
+from tests.peers.tools import MASTERS, installed
 
 Rows = NDArray[np.float64]
 
@@ -59,12 +59,6 @@ def refused(tool: str, fmi: int) -> str | None:
     """Why a tool does not do this at all."""
     above, sentence = REFUSED.get(tool, (9, ""))
     return sentence if fmi >= above else None
-
-
-def replay(make: Callable[[int, bool], Iterable[Path]], fmi: int, portable: bool, tool: str) -> str:
-    """The worst of all certificates."""
-    why = refused(tool, fmi)
-    return why or difference(max(replayed(tool, path) for path in make(fmi, portable)))
 
 
 def judged(found: Rows, ours: Callable[[int], Rows]) -> str:
@@ -107,12 +101,6 @@ def packed(folder: Path, variant: str, fmi: int, portable: bool, tool: str) -> s
 def lines(folder: Path) -> Iterable[Line]:
     """The rows of the table."""
     kinds = [(fmi, portable) for portable in (False, True) for fmi in (2, 3)]
-    for title, make in (("plants", plants), ("controllers and estimators", controllers)):
-        for fmi, portable in kinds:
-            kind = "portable" if portable else "native"
-            count = len(list(make(fmi, portable)))
-            name = f"{count} {title}, {kind} FMI {fmi}"
-            yield Line(name, partial(replay, make, fmi, portable))
     for fmi, portable in kinds:
         kind = "portable" if portable else "native"
         yield Line(f"loop, {kind} FMI {fmi}, wired by API", partial(wired, "pid", fmi, portable))
@@ -127,8 +115,8 @@ def lines(folder: Path) -> Iterable[Line]:
 def main() -> None:
     """Print the table for the tools that are installed."""
     warnings.simplefilter("ignore")
-    tools = [tool for tool in TOOLS if installed(tool)]
-    heads = [f"{TOOLS[tool]} {version(TOOLS[tool])}" for tool in tools]
+    tools = [tool for tool in MASTERS if installed(tool)]
+    heads = [f"{MASTERS[tool]} {version(MASTERS[tool])}" for tool in tools]
     print("| | " + " | ".join(heads) + " |")
     print("| --- |" + " --- |" * len(tools), flush=True)
     with tempfile.TemporaryDirectory() as folder:

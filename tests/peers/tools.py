@@ -6,7 +6,8 @@ import importlib.util
 
 import pytest
 
-TOOLS = {"fmpy": "fmpy", "casadi": "casadi", "ecos": "ecospy", "libcosim": "libcosimpy"}
+MASTERS = {"fmpy": "fmpy", "ecos": "ecospy", "libcosim": "libcosimpy"}
+TOOLS = {**MASTERS, "casadi": "casadi"}
 
 SOLVERS = {"fmpy", "casadi", "fmusim", "fmucheck"}
 """Those that solve equations (model exchange)."""
