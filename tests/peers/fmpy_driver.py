@@ -103,16 +103,17 @@ def rows_of_equations(order: Order) -> list[list[float]]:
     rows = [(k * order.step, *row) for k, row in enumerate(order.rows())]
     held = [(after[0], *before[1:]) for before, after in pairwise(rows)]
     inputs = [port.removeprefix(f"{name}.") for port in order.inputs]
+    outputs = [port.removeprefix(f"{name}.") for port in order.outputs]
     found = simulate_fmu(
         path, fmi_type="ModelExchange", stop_time=order.steps * order.step,
         output_interval=order.step, relative_tolerance=TOLERANCE, record_events=False,
-        output=[port.removeprefix(f"{name}.") for port in order.outputs],
+        output=outputs,
         input=np.array(
-            sorted([*rows, *held], key=lambda row: row[0]),
+            sorted([*held, *rows], key=lambda row: row[0]),
             dtype=[("time", float), *((one, float) for one in inputs)],
         ),
     )  # fmt: skip
-    return [list(row)[1:] for row in found.tolist()[1:]]
+    return [[float(row[one]) for one in outputs] for row in found[1:]]
 
 
 def main() -> None:

@@ -11,7 +11,7 @@ from benchmarks.exports_elsewhere import Export, tried
 from harness.export.plant import certified_plant_fmu
 
 
-@pytest.mark.parametrize("name", ["hybrid_actuator", "two_mass_drive"])
+@pytest.mark.parametrize("name", ["hybrid_actuator", "oscillator_right"])
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("tool", ["casadi", "fmpy"])
 def test_as_our_solver(tool: str, version: int, name: str) -> None:
