@@ -3,11 +3,12 @@
     python -m benchmarks.exports_elsewhere [--fmusim FILE] [--fmucheck FILE] [--select TEXT]
         [--json FILE] [--markdown FILE]
 
-Exports are all registered plants and all controllers and estimators as an experiment configures
-them, native and portable, FMI 2 and 3; native plants also as equations (model exchange), which the
-tool's own solver integrates. A tool is tried where its package is installed or its path is given:
-fmusim is a program of Reference-FMUs (until their commit 7b3fc08), fmuCheck that of
-FMUComplianceChecker. Each export runs in each tool in a process of its own within a time limit.
+Exports are all registered plants, all controllers and estimators as an experiment configures them,
+and the signals of an experiment, native and portable, FMI 2 and 3; native plants also as equations
+(model exchange), which the tool's own solver integrates. A tool is tried where its package is
+installed or its path is given: fmusim is a program of Reference-FMUs (until their commit 7b3fc08),
+fmuCheck that of FMUComplianceChecker, built with FMI Library. Each export runs in each tool in a
+process of its own within a time limit.
 
 The inputs are those of the export's certificate, for equations its last row throughout: fmusim's
 solver takes no others. What is compared are the outputs after each step of the tool and of our own
@@ -31,7 +32,7 @@ from harness.export.certificate import Certificate, read_certificate
 from harness.export.verify import replay
 from harness.fmi.fmu import Fmu
 from tests.peers.order import Order, RefusedError, run_in
-from tests.peers.replays import controllers, plants
+from tests.peers.replays import controllers, plants, signals
 from tests.peers.tools import SOLVERS, TOOLS, installed
 
 PROGRAMS = {"fmusim": "fmusim", "fmucheck": "fmuCheck"}
@@ -69,7 +70,7 @@ class Row:
 
 def exports() -> Iterator[Export]:
     """All, built where they are not in the cache."""
-    for title, make in (("plant", plants), ("controller", controllers)):
+    for title, make in (("plant", plants), ("controller", controllers), ("signal", signals)):
         for kind in ("native", "portable"):
             for fmi in (2, 3):
                 for path in make(fmi, kind == "portable"):

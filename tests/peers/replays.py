@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import registry
+from harness.clock import to_seconds
+from harness.experiment.experiment import Experiment
 from harness.export.certificate import read_certificate
 from harness.export.controller import controller_fmu
 from harness.export.plant import certified_plant_fmu
 from harness.fmi.fmu import Fmu
+from harness.ssp.sequence import sequence_block
+from harness.system.graph import SignalComponent
 from tests.harness.export.blocks import EXAMPLES, example
 from tests.peers.order import Order, run_in
 
@@ -30,6 +34,15 @@ def controllers(version: int, portable: bool) -> Iterator[Path]:
     for name in EXAMPLES:
         block, sample_time = example(name)
         yield controller_fmu(block, name, sample_time, version, portable=portable)
+
+
+def signals(version: int, portable: bool) -> Iterator[Path]:
+    """Those of an experiment, as its package holds them."""
+    system = Experiment.load(registry.experiment("ahn2009/figure_9")).bench("pid").system()
+    for one in system.components:
+        if isinstance(one, SignalComponent):
+            block, sample_time = sequence_block(one, system), to_seconds(one.period_ns)
+            yield controller_fmu(block, one.name, sample_time, version, portable=portable)
 
 
 def replayed(tool: str, path: Path) -> float:
