@@ -119,8 +119,9 @@ def order(export: Export, made: Certificate, program: str) -> Order:
 
 
 def apart(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
-    """The largest difference of a column as a share of its range (of 1 where it is constant)."""
-    spread = np.ptp(ours, axis=0)
+    """The largest difference of a column as a share of its range, which counts as a millionth of
+    its size at least (as 1 where it is 0): fmusim writes 16 digits."""
+    spread = np.maximum(np.ptp(ours, axis=0), 1e-6 * np.abs(ours).max(axis=0))
     gap = np.abs(theirs - ours).max(axis=0) / np.where(spread > 0, spread, 1.0)
     return float(gap.max()) if np.isfinite(gap).all() else float("inf")
 

@@ -50,7 +50,9 @@ def test_fmpy_agrees(interface: str) -> None:
 
 def test_a_share_of_the_range() -> None:
     ours = np.array([[1.0, 5.0], [3.0, 5.0]])
-    assert apart(ours, ours + np.array([[0.0, 0.0], [0.5, 0.1]])) == pytest.approx(0.25)
+    assert apart(ours, ours + np.array([[0.0, 0.0], [0.5, 0.0]])) == pytest.approx(0.25)
+    assert apart(ours, ours + np.array([[0.0, 0.0], [0.0, 5e-7]])) == pytest.approx(0.1)
+    assert apart(0 * ours, 0 * ours + 0.5) == 0.5
     assert apart(ours, ours + np.array([[0.0, 0.0], [np.nan, 0.0]])) == np.inf
 
 

@@ -44,7 +44,7 @@ def rows_of(order: Order, folder: str) -> list[list[float]]:
 def main() -> None:
     order = read_order()
     if order.interface != "model-exchange":
-        raise SystemExit("CasADi reads equations, those of model exchange")
+        raise SystemExit("model exchange only")
     with TemporaryDirectory() as folder:
         answer(rows_of(order, folder))
 
