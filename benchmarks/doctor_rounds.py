@@ -1,4 +1,4 @@
-"""The doctor goes round a ward of FMUs, and writes one line for each kind of interface.
+"""The doctor examines folders of FMUs, and writes one line for each kind of interface.
 
     python -m benchmarks.doctor_rounds FOLDER [FOLDER …] [--markdown FILE] [--json FILE]
 

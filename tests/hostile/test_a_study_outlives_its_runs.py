@@ -52,7 +52,7 @@ def test_study(experiment: Experiment) -> None:
     words = r"broken, seed \d: component plant .*doStep by 10 ms at t = 0.5 s crashed with SIGSEGV"
     with Workers(2) as workers, pytest.warns(UserWarning, match=words):
         found = run_study(experiment, workers=workers)
-    assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
+    assert found.lost("broken").value == 1.0 and found.lost("sound").value == 0.0
     assert all(0.99 < metrics["last"] < 1.0 for metrics in found.runs["sound"])
 
 
@@ -72,7 +72,7 @@ def test_study_within_the_limits_of_its_file(
     with pytest.warns(UserWarning) as told:
         found = run_study(limited)
     assert len(told) == 3 and all(words in str(one.message) for one in told)
-    assert found.lost("broken").share == 1.0 and found.lost("sound").share == 0.0
+    assert found.lost("broken").value == 1.0 and found.lost("sound").value == 0.0
 
 
 def test_sweep(experiment: Experiment) -> None:

@@ -105,9 +105,8 @@ _logs: dict[int | bytes, MessageLog] = {}
 
 def register(log: MessageLog, name: str = "", *, logging: bool = False) -> int:
     """`log` receives the messages of the instance whose environment is the number returned, or
-    that is called `name`: FMI 1 has no environment. With the first instance a run begins."""
-    if not _logs:
-        _gate[0], _gate[1] = MOST_A_RUN[logging], 0
+    that is called `name`: FMI 1 has no environment. With the last instance a run begins."""
+    _gate[0], _gate[1] = MOST_A_RUN[logging], 0
     _logs[name.encode() or id(log)] = log
     return id(log)
 
