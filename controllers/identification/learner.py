@@ -29,7 +29,8 @@ P_IN_STATE = TABLES.entries
 
 
 def learner(model: TakagiSugeno, adaptation: Adaptation) -> Block:
-    """The block that adapts `model`; θ and P are the first parts of its `STATE`."""
+    """The block that adapts `model`, eqs (8)–(15) by `adaptation`; θ and P are the first parts of
+    its `STATE`. The adaptation must have as many parameters and outputs; `identify` checks it."""
     s, c, m = model.structure(), adaptation.constants(), len(model.models)
     values = {"theta": model.theta(), "P": adaptation.covariance()}
     tables = {"structure": len(s), "constants": len(c)}
@@ -56,7 +57,8 @@ def state(p: Array, x: Array, which: int) -> Array:
 
 
 def learn_row(p: Array, x: Array, u: Array, y: Array) -> None:
-    """Step of `learner`; where no rule fires for an output its prediction is the one before."""
+    """Step of `learner`: u (n + m,) is a row (x_k, y_k), y (2·m + 1,) what is told of it. Where no
+    rule fires for an output its prediction is the one before."""
     s = part(p, p, STRUCTURE)
     theta = state(p, x, X_THETA)
     predicted = state(p, x, X_PREDICTED)

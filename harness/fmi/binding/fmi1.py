@@ -104,16 +104,7 @@ class Fmi1Instance(Fmi1Or2Instance):
     def enter_event_mode(self) -> None:
         """FMI 1 has no modes."""
 
-    def leave_event_mode(self) -> None:
-        """FMI 1 has no modes."""
-
     def update_discrete_states(self) -> DiscreteStates:
         """fmiEventUpdate; the first time after initialisation, what that said."""
         first, self._first = self._first, None
         return first or self.events("EventUpdate", ctypes.c_int8(0))
-
-    def completed_integrator_step(self) -> tuple[bool, bool]:
-        """Whether an event follows, and False: FMI 1 cannot ask for the end here."""
-        event = ctypes.pointer(ctypes.c_int8())
-        self.call("CompletedIntegratorStep", event)
-        return bool(event.contents.value), False

@@ -251,20 +251,9 @@ class FmuInstance(ABC):
         """Stop the continuous part; inputs of all kinds may be set, events are handled."""
         self.call("EnterEventMode")
 
-    def leave_event_mode(self) -> None:
-        """Go on: continuous-time mode in model exchange, step mode in co-simulation."""
-        stepping = self.interface_type == CO_SIMULATION
-        self.call("EnterStepMode" if stepping else "EnterContinuousTimeMode")
-
     @abstractmethod
     def update_discrete_states(self) -> DiscreteStates:
         """One iteration of event handling."""
-
-    def completed_integrator_step(self) -> tuple[bool, bool]:
-        """After an accepted step of the solver: whether to handle an event, and to end."""
-        event, end = ctypes.pointer(self.boolean()), ctypes.pointer(self.boolean())
-        self.call("CompletedIntegratorStep", self.boolean(1), event, end)
-        return bool(event.contents.value), bool(end.contents.value)
 
     # values
 
