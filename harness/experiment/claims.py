@@ -1,32 +1,19 @@
-"""The claims of a paper, and what runs say of them.
-
-A claim is data (`claims.toml`): what the paper says, where, and the figure of an experiment that
-decides it. The verdict is computed from the runs: over seeds it is the interval of the mean that
-must lie wholly on one side of the limit, or the claim stays undecided.
+"""The claims of a paper as data (`claims.toml`): what the paper says, where, and the figure of an
+experiment that decides it. The rules that make a verdict stand are checked as a file is read; how
+it is judged is in `harness.experiment.judging`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from pydantic import Field, model_validator
 
-from harness.errors import UsageError, nearest
 from harness.experiment.faults import checked, read_toml
 from harness.experiment.schema import Strict
-from harness.experiment.study import LOST, Study
-from harness.experiment.sweep import Region
-from harness.results.intervals import Estimate, paired_difference, share
-
-HOLDS, CONDITIONALLY, FAILS = "holds", "holds conditionally", "does not hold"
-UNDECIDED, UNTESTABLE = "undecided", "cannot be tested"
-REGION = "region_share"
-"""The metric of a sweep: the share of its points that are inside. Where each point has noise of its
-own, the points count as runs, and the share has an interval."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +33,13 @@ class CriterionSpec(Strict):
 
     The figure is the `metric` of a `variant`, or its difference to (its `compare = "ratio"` over)
     another one: that of the variant `against`, of the metric `against_metric`, of the experiment
-    `against_experiment`, each by default the test's own. Both are paired by seed.
+    `against_experiment`, each by default the test's own. Both are paired by seed. With
+    `share_above` it is the share of the runs whose metric is above that.
+
+    A limit is `below` or `above` for what is to differ from it, and `near` = [value, tolerance] for
+    what is to be equivalent to a value. `curve` has other values of the limit that the project
+    chose (`share_above` where there is one), at which the claim is judged too. `level` picks one of
+    the study's levels; without it the claim is judged at all of them.
     """
 
     experiment: str
@@ -56,19 +49,26 @@ class CriterionSpec(Strict):
     against_metric: str | None = None
     against_experiment: str | None = None
     compare: Literal["difference", "ratio"] = "difference"
+    share_above: float | None = None
     below: float | None = None
     above: float | None = None
     near: tuple[float, float] | None = None
+    level: float | None = None
+    curve: tuple[float, ...] = ()
 
     @model_validator(mode="after")
     def _one_limit(self) -> CriterionSpec:
         if sum(limit is not None for limit in (self.below, self.above, self.near)) != 1:
             raise ValueError("needs exactly one of below, above and near = [value, tolerance]")
-        if self.compare == "ratio" and self.other == self.own:
+        if self.compare == "ratio" and not self.is_comparison:
             raise ValueError(
                 'compare = "ratio" needs what to compare with: against, against_metric or '
                 "against_experiment"
             )
+        if self.share_above is not None and self.is_comparison:
+            raise ValueError("share_above counts the runs of one variant and compares nothing")
+        if self.curve and self.chosen_limit is None:
+            raise ValueError("curve needs a limit that was chosen: share_above, below or above")
         return self
 
     @property
@@ -85,9 +85,31 @@ class CriterionSpec(Strict):
             self.against_metric or self.metric,
         )
 
+    @property
+    def is_comparison(self) -> bool:
+        """Whether the figure is a difference or a ratio."""
+        return self.other != self.own
+
+    @property
+    def limit(self) -> float | None:
+        """What the figure is held against; None where it is a value with a tolerance."""
+        return self.below if self.below is not None else self.above
+
+    @property
+    def chosen_limit(self) -> tuple[str, float] | None:
+        """The key and the value of the limit that somebody chose; None for a comparison with the
+        limit at which both are alike, which nobody did, and for `near`, which has a tolerance."""
+        if self.share_above is not None:
+            return "share_above", self.share_above
+        alike = 1.0 if self.compare == "ratio" else 0.0
+        if self.limit is None or (self.is_comparison and self.limit == alike):
+            return None
+        return "below" if self.below is not None else "above", self.limit
+
 
 class ClaimSpec(Strict):
-    """One claim: `paper` is its number or words, the rest as in the module docstring."""
+    """One claim: `paper` is its number or words; `test` decides it, and `given` is a condition
+    under which it is tested too."""
 
     id: str
     page: str
@@ -105,6 +127,11 @@ class ClaimSpec(Strict):
         if isinstance(self.paper, float):
             return f"{self.paper:g} {self.unit}".strip()
         return self.paper
+
+    @property
+    def criteria(self) -> tuple[CriterionSpec, ...]:
+        """The test and the condition, where there are such."""
+        return tuple(one for one in (self.test, self.given) if one is not None)
 
     @model_validator(mode="before")
     @classmethod
@@ -124,126 +151,57 @@ class ClaimSpec(Strict):
 
 
 class ClaimsSpec(Strict):
-    """A whole `claims.toml`."""
+    """A whole `claims.toml`. `mechanisms` are groups of variants that have the same thing active,
+    under other settings. Where a claim is about a metric of `readings`, it is judged by each of the
+    metrics that this gives, under their names."""
 
     paper: str
     claims: tuple[ClaimSpec, ...] = Field(min_length=1)
+    mechanisms: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    readings: dict[str, dict[str, str]] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _ruled(self) -> ClaimsSpec:
+        names = [claim.id for claim in self.claims]
+        for claim in self.claims:
+            if names.count(claim.id) > 1:
+                raise ValueError(f"claim {claim.id}: each claim needs an id of its own")
+            for fault in self._faults_of_condition(claim):
+                raise ValueError(
+                    f"claim {claim.id}: a condition (given) must keep what is claimed and may only "
+                    f"change where: {fault}"
+                )
+        return self
+
+    def _faults_of_condition(self, claim: ClaimSpec) -> Iterator[str]:
+        test, given = claim.test, claim.given
+        if test is None or given is None:
+            return
+        for key in ("metric", "against_metric", "compare", "share_above", *_LIMITS):
+            own, other = getattr(test, key), getattr(given, key)
+            if own != other:
+                yield f"{key} must stay {own!r}, not {other!r}"
+        for key, pair in (("variant", (test.variant, given.variant)),
+                          ("against", (test.against, given.against))):  # fmt: skip
+            if pair[0] != pair[1] and not any(
+                set(pair) <= set(group) for group in self.mechanisms.values()
+            ):
+                yield (
+                    f"{key} {pair[1]!r} is not of the mechanism of {pair[0]!r}; the variants that "
+                    "have the same thing active are named in [mechanisms]"
+                )
+
+    def readings_of(self, test: CriterionSpec) -> dict[str, CriterionSpec]:
+        """The test under each name of its metric's readings; under "" where it has none."""
+        named = self.readings.get(test.metric)
+        if named is None or test.against_metric is not None:
+            return {"": test}
+        return {name: test.model_copy(update={"metric": metric}) for name, metric in named.items()}
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """A claim with what the runs say of it; `given` belongs to the condition."""
-
-    claim: ClaimSpec
-    verdict: str
-    ours: Estimate | None = None
-    given: Estimate | None = None
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What the runs of one experiment gave."""
-
-    metrics: Mapping[str, Mapping[str, float | None]]
-    study: Study | None = None
-    regions: Mapping[str, Region] = field(default_factory=dict)
-
-
-Source = Callable[[str], Evidence]
-"""Gives the evidence of an experiment by name; raises `UsageError` for an unknown one."""
+_LIMITS = ("below", "above", "near")
 
 
 def load_claims(path: Path) -> ClaimsSpec:
     """Read `claims.toml`; raises `ExperimentError` with one line for each fault."""
     return checked(ClaimsSpec, read_toml(path, "claims file"), str(path))
-
-
-def judge(claim: ClaimSpec, evidence: Source) -> Verdict:
-    """The verdict on one claim."""
-    if claim.test is None:
-        return Verdict(claim, UNTESTABLE)
-    ours = figure(claim.test, evidence)
-    met = _met(claim.test, ours)
-    given = None
-    if claim.given is not None:
-        given = figure(claim.given, evidence)
-        if met is not True and _met(claim.given, given) is True:
-            return Verdict(claim, CONDITIONALLY, ours, given)
-    return Verdict(claim, {True: HOLDS, False: FAILS, None: UNDECIDED}[met], ours, given)
-
-
-def figure(test: CriterionSpec, evidence: Source) -> Estimate:
-    """The figure that a test is about; raises `UsageError` for a name that no run has, and where
-    what is to be paired has not the same seeds."""
-    seeds, values = _values(test.own, evidence)
-    if test.other == test.own:
-        if test.metric in (LOST, REGION) and seeds:
-            return share([bool(value) for value in values])
-        return _summary(values)
-    other_seeds, others = _values(test.other, evidence)
-    if seeds != other_seeds:
-        raise UsageError(
-            f"{test.own} and {test.other} cannot be paired: {len(values)} and {len(others)} runs "
-            "of different seeds"
-        )
-    pairs = zip(values, others, strict=True)
-    return _summary([_compared(a, b, test.compare) for a, b in pairs])
-
-
-def _compared(first: float | None, second: float | None, how: str) -> float | None:
-    if first is None or second is None:
-        return None
-    if how == "ratio":
-        return first / second if second else None
-    return first - second
-
-
-def _values(place: Place, source: Source) -> tuple[tuple[int, ...], list[float | None]]:
-    """The seeds of a study with the values that belong to them, or () with the one value."""
-    evidence = source(place.experiment)
-    if place.metric == REGION:
-        _known("sweep of variant", place.variant, evidence.regions, place)
-        region = evidence.regions[place.variant]
-        if region.spec.own_seeds:  # each point is a run of its own, and the share an estimate
-            inside = [float(one) for one in region.inside.ravel()]
-            return tuple(range(len(inside))), list(inside)
-        return (), [region.share]
-    runs: Mapping[str, Sequence[Mapping[str, float | None]]]
-    if evidence.study is not None:
-        seeds, runs = evidence.study.seeds, evidence.study.runs
-    else:
-        seeds, runs = (), {variant: (metrics,) for variant, metrics in evidence.metrics.items()}
-    _known("variant", place.variant, runs, place)
-    metrics = {name for own in runs.values() for run in own for name in run}
-    _known("metric", place.metric, metrics, place)
-    return seeds, [run.get(place.metric) for run in runs[place.variant]]
-
-
-def _known(kind: str, name: str, known: Collection[str], place: Place) -> None:
-    if name not in known:
-        raise UsageError(f"{place.experiment}: no {kind} {name!r}; {nearest(name, known)}")
-
-
-def _summary(values: Sequence[float | None]) -> Estimate:
-    numbers = [v for v in values if v is not None and np.isfinite(v)]
-    if len(numbers) > 1:
-        return paired_difference(values, np.zeros(len(values)))
-    one = float(numbers[0]) if numbers else np.nan
-    runs = 0 if not numbers and len(values) == 1 else len(values)
-    return Estimate(one, one, one, runs, len(values) - len(numbers))
-
-
-def _met(test: CriterionSpec, found: Estimate) -> bool | None:
-    """Whether the whole interval meets the limit; None where it lies across. A figure that does
-    not exist in most runs (a loop that never settles) meets none."""
-    if found.runs == 0 or 2 * found.missing >= max(found.runs, 1) or np.isnan(found.value):
-        return False
-    if test.near is not None:
-        low, high = test.near[0] - test.near[1], test.near[0] + test.near[1]
-        if low <= found.low and found.high <= high:
-            return True
-        return None if found.high >= low and found.low <= high else False
-    if test.below is not None:
-        return True if found.high < test.below else (False if found.low >= test.below else None)
-    assert test.above is not None
-    return True if found.low > test.above else (False if found.high <= test.above else None)

@@ -58,6 +58,9 @@ class Experiment:
         settings: Table = {}
         if study is not None and study.fast is not None:
             settings["study"] = {"seeds": study.fast.seeds}
+            if study.levels is not None:
+                ends = {study.levels.values[0], study.levels.nominal, study.levels.values[-1]}
+                settings["study"]["levels"] = {"values": sorted(ends)}
         if sweep is not None and sweep.fast is not None:
             settings["sweep"] = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
         return self.from_data(merge(self.data, settings), self.path) if settings else self

@@ -57,7 +57,9 @@ def _reason(error: Any) -> str:
     if kind == "literal_error":
         return f"must be one of {error['ctx']['expected']}, not {given!r}"
     message = str(error["msg"])
-    return f"{message[0].lower()}{message[1:]}, not {given!r}"
+    message = message.removeprefix("Value error, ")
+    message = f"{message[0].lower()}{message[1:]}"
+    return message if isinstance(given, dict) else f"{message}, not {given!r}"
 
 
 def _legal_keys(location: tuple[Any, ...]) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from harness.results.metrics import FIGURES, after_events, rms
 from harness.results.result import Result
 from harness.results.step_response import segment_metrics, segments, tracking_metrics
 
-MEASURED = ("steady_state_mean", "steady_state_rms", "iae")
+MEASURED = ("steady_state_mean", "steady_state_rms", "steady_state_max", "iae")
 """What is also reported of the response as the controller sees it."""
 
 Metrics = dict[str, float | None]
@@ -44,11 +45,12 @@ def tracking(result: Result, m: MeasureSpec) -> Metrics:
 def _response(result: Result, m: MeasureSpec, response: str) -> Metrics:
     reference = result.numbers(m.reference)
     arrays = (result.time, reference, result.numbers(response), result.numbers(m.control))
+    window: Any = {"window": m.window, "window_time": m.window_time}
     try:
         segments(result.time, reference)
     except UsageError:
-        return {k: float(v) for k, v in asdict(tracking_metrics(*arrays, window=m.window)).items()}
-    steps = segment_metrics(*arrays, band=m.band, window=m.window)
+        return {k: float(v) for k, v in asdict(tracking_metrics(*arrays, **window)).items()}
+    steps = segment_metrics(*arrays, band=m.band, dwell=m.dwell, **window)
     if not steps:
         return {}
     found = steps[-1].as_dict()

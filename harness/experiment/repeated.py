@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import copy
+import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, groupby
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment, Table
@@ -135,15 +136,39 @@ def _start_values(point: Point, components: Mapping[str, object]) -> dict[str, d
     return found
 
 
+def key_parts(key: str) -> list[str]:
+    """The names of a key as TOML joins them: dots between, quotes about a name with dots."""
+    return [quoted or plain for quoted, plain in re.findall(r'"([^"]*)"|([^."]+)', key)]
+
+
+def setting(data: Table, key: str) -> Any:
+    """What a file gives for a key, in which a number counts the elements of a list."""
+    found: Any = data
+    for part in key_parts(key):
+        found = found[int(part)] if isinstance(found, list) else found[part]
+    return found
+
+
 def _changed(experiment: Experiment, variant: str, settings: Settings) -> Experiment:
     """The experiment with other settings of one variant."""
     if not settings:
         return experiment
     data = copy.deepcopy(experiment.data)
+    own: Table = data["variants"][variant] if experiment.spec.variants else data
     for key, value in settings:
-        table: Table = data["variants"][variant] if experiment.spec.variants else data
-        *tables, last = key.split(".")
-        for part in tables:
-            table = table.setdefault(part, {})
-        table[last] = value
+        _put(own, experiment.data, key_parts(key), value)
     return Experiment.from_data(data, experiment.path)
+
+
+def _put(own: Any, whole: Any, parts: Sequence[str], value: float) -> None:
+    """Set a key in the tables of a variant; a list, which a variant replaces, is first taken over
+    from the `whole` file."""
+    first, *others = parts
+    place: Any = int(first) if isinstance(own, list) else first
+    below = whole[place] if isinstance(whole, list) else (whole or {}).get(place)
+    if not others:
+        own[place] = value
+        return
+    if isinstance(own, dict) and place not in own:
+        own[place] = copy.deepcopy(below) if isinstance(below, list) else {}
+    _put(own[place], below, others, value)

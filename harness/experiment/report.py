@@ -38,13 +38,16 @@ SHOWN = {
 
 def metrics_table(experiment: Experiment, results: Results) -> Table:
     """One row a variant; "–" where a figure does not exist, as for a loop that never settles.
-    Without a control loop to measure, the figures that the experiment defines itself."""
-    measured, own = experiment.spec.measure is not None, experiment.spec.metrics
+    First what is measured of a control loop, where there is one, then the figures that any variant
+    defines itself."""
+    measured = experiment.spec.measure is not None
     title = "metrics of the last step of the reference" if measured else "metrics"
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     table.add_column("variant")
     units = _units(experiment, results)
-    shown = SHOWN if measured else {name: name for name in own}
+    specs = [experiment.variant_spec(variant) for variant in results]
+    own = {name: name.replace("_", "\n") for spec in specs for name in spec.metrics}
+    shown = SHOWN | own if measured else own
     for name, heading in shown.items():
         unit = "" if name == "lost_loop" else units.get(name, "")
         table.add_column(f"{heading}\n{unit}", justify="right", no_wrap=True)

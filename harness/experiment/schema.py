@@ -8,6 +8,7 @@ takes over another one, named relative to it, and changes parts of it.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -132,7 +133,9 @@ class VariantSpec(BaseModel):
 class MeasureSpec(Strict):
     """The signals that metrics are computed of; `band` and `window` are shares (0 to 1).
 
-    `measured` is the response as the controller sees it; its error is reported besides.
+    `window_time` states the final window in seconds instead; a response has settled when it has
+    stayed in the band for `dwell` seconds at least. `measured` is the response as the controller
+    sees it; its error is reported besides.
     """
 
     reference: str
@@ -141,6 +144,8 @@ class MeasureSpec(Strict):
     measured: str | None = None
     band: float = 0.02
     window: float = 0.1
+    window_time: float | None = Field(default=None, gt=0.0)
+    dwell: float = Field(default=0.0, ge=0.0)
 
 
 class MetricSpec(Strict):
@@ -225,16 +230,38 @@ class FastStudySpec(Strict):
     seeds: int = Field(ge=2)
 
 
+class LevelsSpec(Strict):
+    """A study repeated at each of `values` of a `quantity`, which the settings `keys` are set to,
+    or with `factor` the values that the file gives them are multiplied by. At the value `nominal`
+    the experiment is what the file says. The fast subset has the two ends and the nominal one."""
+
+    quantity: str
+    unit: str = "1"
+    keys: tuple[str, ...] = Field(min_length=1)
+    values: tuple[float, ...] = Field(min_length=2)
+    nominal: float
+    factor: bool = False
+
+    @model_validator(mode="after")
+    def _ordered(self) -> LevelsSpec:
+        if any(a >= b for a, b in pairwise(self.values)):
+            raise ValueError("values must increase")
+        if self.nominal not in self.values:
+            raise ValueError("nominal must be one of the values")
+        return self
+
+
 class StudySpec(Strict):
     """Repetition over seeds: `seeds` runs from the experiment's seed on; differences of
     `metrics` are taken against the variant `baseline`. `fast` says how many seeds the fast subset
-    has; without it that has all."""
+    has; without it that has all. With `levels` all of it is repeated at each of them."""
 
     seeds: int = Field(ge=2)
     baseline: str
     metrics: tuple[str, ...] = ("steady_state_rms", "iae", "actuator_travel")
     confidence: float = Field(default=0.95, gt=0.0, lt=1.0)
     fast: FastStudySpec | None = None
+    levels: LevelsSpec | None = None
 
 
 class LimitsSpec(Strict):

@@ -7,8 +7,8 @@ left out is reported, and so is the share of runs in which a variant loses the l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,8 @@ from rich.table import Table
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, run_points
-from harness.experiment.schema import StudySpec
+from harness.experiment.repeated import Metrics, Point, Settings, run_points, setting
+from harness.experiment.schema import LevelsSpec, StudySpec
 from harness.results.atomic import atomic_write, writing
 from harness.results.intervals import Estimate, paired_difference, share
 
@@ -28,11 +28,13 @@ LOST = "lost_loop"
 
 @dataclass(frozen=True)
 class Study:
-    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`."""
+    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`. With `[study.levels]`
+    these are the runs at the nominal one, and `levels` has a study of each value."""
 
     experiment: Experiment
     seeds: tuple[int, ...]
     runs: Mapping[str, tuple[Metrics, ...]]
+    levels: Mapping[float, Study] = field(default_factory=dict)
 
     @property
     def spec(self) -> StudySpec:
@@ -56,12 +58,15 @@ class Study:
         return share(happened, confidence=self.spec.confidence)
 
     def frame(self) -> pd.DataFrame:
-        """One row a run: variant, seed and all metrics."""
+        """One row a run: the level where there are some, variant, seed and all metrics."""
+        quantity = "" if self.spec.levels is None else self.spec.levels.quantity
+        studies = [({quantity: level}, study) for level, study in self.levels.items()]
         return pd.DataFrame(
             [
-                {"variant": variant, "seed": seed, **metrics}
-                for variant, runs in self.runs.items()
-                for seed, metrics in zip(self.seeds, runs, strict=True)
+                {**at, "variant": variant, "seed": seed, **metrics}
+                for at, study in studies or [({}, self)]
+                for variant, runs in study.runs.items()
+                for seed, metrics in zip(study.seeds, runs, strict=True)
             ]
         )
 
@@ -75,21 +80,54 @@ class Study:
 
 def run_study(
     experiment: Experiment,
+    variants: Sequence[str] | None = None,
     *,
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Study:
-    """Run all variants over the seeds of `[study]`, spread over `workers`.
+    """Run all variants, or some, over the seeds and the levels of `[study]`, spread over `workers`.
 
     `workers` are as those of `run_points`; a run that ends early is a lost loop without metrics.
     """
     study = Study(experiment, (), {})
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
-    rows = [[Point(f"seed {seed}", seed)] for seed in seeds]
+    levels = study.spec.levels
+    if levels is None:
+        rows = [[Point(f"seed {seed}", seed)] for seed in seeds]
+    else:
+        rows = [
+            [Point(f"{levels.quantity} {value:g}, seed {seed}", seed, settings) for seed in seeds]
+            for value in levels.values
+            for settings in [level_settings(experiment, levels, value)]
+        ]
     found = run_points(
-        experiment, experiment.variants, rows, _or_lost, workers=workers, progress=progress
-    )
-    return replace(study, seeds=seeds, runs={v: tuple(runs) for v, runs in found.items()})
+        experiment, variants or experiment.variants, rows, _or_lost,
+        workers=workers, progress=progress,
+    )  # fmt: skip
+    at = [
+        replace(study, seeds=seeds, runs={v: tuple(runs[i : i + n]) for v, runs in found.items()})
+        for n in [len(seeds)]
+        for i in range(0, len(rows) * len(rows[0]), n)
+    ]
+    if levels is None:
+        return at[0]
+    by_value = dict(zip(levels.values, at, strict=True))
+    return replace(by_value[levels.nominal], levels=by_value)
+
+
+def level_settings(experiment: Experiment, levels: LevelsSpec, value: float) -> Settings:
+    """What is set at a value of the quantity; raises `ExperimentError` for a key that is none."""
+    found = []
+    for key in levels.keys:
+        try:
+            given = setting(experiment.data, key) if levels.factor else 1.0
+            found.append((key, given * value))
+        except (LookupError, TypeError, ValueError) as fault:
+            raise ExperimentError(
+                f"{experiment.path}: study.levels.keys {key!r}: the file gives no number for it "
+                "that a factor could change"
+            ) from fault
+    return tuple(found)
 
 
 def _or_lost(metrics: Metrics | None) -> Metrics:
@@ -108,7 +146,7 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
         for metric in spec.metrics:
             table.add_column(metric.replace("_", " "), justify="right")
     means.add_column(f"loop lost ({percent} interval)", justify="right")
-    for variant in experiment.variants:
+    for variant in study.runs:
         lost = study.lost(variant)
         means.add_row(
             experiment.label(variant),

@@ -41,6 +41,85 @@ class Estimate:
         return text + (f" ({self.missing} of {self.runs} without)" if self.missing else "")
 
 
+@dataclass(frozen=True)
+class Sample:
+    """What independent runs gave for one figure, None where a run has none: its mean, or where
+    `is_share` the share of the runs in which something happened (1, else 0). A single value is no
+    sample of anything, and is taken as it is."""
+
+    values: tuple[float | None, ...]
+    is_share: bool = False
+
+    @property
+    def numbers(self) -> Array:
+        """The values that are finite, shape (n,)."""
+        found = [value for value in self.values if value is not None and np.isfinite(value)]
+        return np.array(found, dtype=np.float64)
+
+    @property
+    def is_random(self) -> bool:
+        """Whether it has an interval."""
+        return len(self.numbers) > 1
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether half of the runs or more have no value (a loop that never settles)."""
+        return 2 * len(self.numbers) <= len(self.values)
+
+    def estimate(self, confidence: float = 0.95) -> Estimate:
+        """The figure with its interval: that of `paired_difference` or of `share`."""
+        numbers, runs = self.numbers, len(self.values)
+        if len(numbers) < 2:
+            one = float(numbers[0]) if len(numbers) else np.nan
+            runs = 0 if not len(numbers) and runs == 1 else runs
+            return Estimate(one, one, one, runs, len(self.values) - len(numbers))
+        if self.is_share:
+            return share([bool(value) for value in numbers], confidence=confidence)
+        return paired_difference(self.values, np.zeros(runs), confidence=confidence)
+
+    def tail(self, limit: float) -> float:
+        """The one-sided p-value against `limit`: how likely a figure at least as far from it, on
+        the same side, is where the true one equals it. Student's t for a mean; for a share the
+        normal approximation at the limit, whose intervals are Wilson's."""
+        numbers = self.numbers
+        away = abs(float(np.mean(numbers)) - limit) if len(numbers) else np.nan
+        if away == 0.0:
+            return 1.0
+        if len(numbers) < 2:
+            return 0.0
+        if self.is_share:
+            error = np.sqrt(max(limit * (1.0 - limit), 0.0) / len(numbers))
+            return float(stats.norm.sf(away / error)) if error else 0.0
+        error = stats.sem(numbers)
+        return float(stats.t.sf(away / error, len(numbers) - 1)) if error else 0.0
+
+    def has_within_quartiles(self, limit: float) -> bool:
+        """Whether `limit` lies within the interquartile range of the values."""
+        if not self.is_random:
+            return False
+        low, high = np.quantile(self.numbers, (0.25, 0.75))
+        return bool(low < limit < high)
+
+
+def holm_levels(
+    p_values: Sequence[float], alpha: float = 0.05, *, family: int | None = None
+) -> list[float]:
+    """The level at which Holm's step-down procedure judges each of simultaneous tests, `family` of
+    them in all where not every one is among the p-values.
+
+    The smallest of m p-values is held against α/m, the next against α/(m − 1), and so on; from the
+    first that misses its level on, all are judged at that level, which they miss too. The
+    probability of any false decision among them is at most α, however they depend on each other.
+    """
+    m = max(family or 0, len(p_values))
+    levels, stopped = [0.0] * len(p_values), 0.0
+    for k, i in enumerate(sorted(range(len(p_values)), key=p_values.__getitem__)):
+        levels[i] = stopped or alpha / (m - k)
+        if p_values[i] > levels[i]:
+            stopped = levels[i]
+    return levels
+
+
 def paired_difference(
     first: Sequence[float | None] | Array,
     second: Sequence[float | None] | Array,

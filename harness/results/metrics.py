@@ -75,10 +75,16 @@ def overshoot(response: Array, initial: float, final: float) -> float:
 
 
 def settling_time(
-    time: Array, response: Array, initial: float, final: float, band: float = 0.02
+    time: Array,
+    response: Array,
+    initial: float,
+    final: float,
+    band: float = 0.02,
+    dwell: float = 0.0,
 ) -> float | None:
     """Time (s) from time[0] after which |y − y_1| ≤ band·|Δ| to the end; None where the last
-    sample is outside the band. The entry is found on the line between two samples."""
+    sample is outside the band, or what is left until the end is shorter than `dwell` (s). The
+    entry is found on the line between two samples."""
     width = band * abs(final - initial)
     distance = response - final
     outside = np.flatnonzero(~(np.abs(distance) <= width))
@@ -89,7 +95,8 @@ def settling_time(
         return None
     edge = math.copysign(width, float(distance[k]))
     share = (edge - distance[k]) / (distance[k + 1] - distance[k])
-    return float(time[k] + share * (time[k + 1] - time[k]) - time[0])
+    entry = float(time[k] + share * (time[k + 1] - time[k]))
+    return entry - float(time[0]) if float(time[-1]) - entry >= dwell else None
 
 
 def final_window(time: Array, share: float) -> slice:

@@ -74,11 +74,20 @@ def metric_units(response_unit: str, control_unit: str) -> dict[str, str]:
 
 
 def tracking_metrics(
-    time: Array, reference: Array, response: Array, control: Array, *, window: float = 0.1
+    time: Array,
+    reference: Array,
+    response: Array,
+    control: Array,
+    *,
+    window: float = 0.1,
+    window_time: float | None = None,
 ) -> TrackingMetrics:
     """The figures that any reference allows; `window` is the final share of the time that counts
-    as steady state."""
+    as steady state, `window_time` states it in seconds instead, and all of the time where that is
+    shorter."""
     check_arrays(time, reference=reference, response=response, control=control)
+    if window_time is not None:
+        window = min(window_time / float(time[-1] - time[0]), 1.0)
     window_rows = metrics.final_window(time, window)
     end = metrics.after_events(time)
     end[: window_rows.start] = False
@@ -104,6 +113,8 @@ def segment_metrics(
     *,
     band: float = 0.02,
     window: float = 0.1,
+    window_time: float | None = None,
+    dwell: float = 0.0,
 ) -> tuple[StepMetrics, ...]:
     """The metrics of each step of the reference, each from its step to the sample before the next.
 
@@ -129,8 +140,10 @@ def segment_metrics(
                 delay_time=metrics.delay_time(t, y, initial, final),
                 rise_time=metrics.rise_time(t, y, initial, final),
                 overshoot=metrics.overshoot(y, initial, final),
-                settling_time=metrics.settling_time(t, y, initial, final, band),
-                tracking=tracking_metrics(t, reference[part], y, control[part], window=window),
+                settling_time=metrics.settling_time(t, y, initial, final, band, dwell),
+                tracking=tracking_metrics(
+                    t, reference[part], y, control[part], window=window, window_time=window_time
+                ),
             )
         )
     return tuple(made)

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from harness.experiment.claims import ClaimsSpec
+from harness.experiment.judging import Evidence, Source, Verdict, judge
 from harness.experiment.reproduce import Paper, load_paper
 from tests.harness.experiment.loops import FILE, MACHINE
 
@@ -59,3 +61,10 @@ def paper(folder: Path, claims: str = CLAIMS) -> Paper:
     for name, text in files.items():
         (place / name).write_text(text, encoding="utf-8")
     return load_paper("loops", {f"loops/{n}": place / f"{n}.toml" for n in ("lag", "machine")})
+
+
+def judged(evidence: Evidence | Source, /, **claim: object) -> Verdict:
+    """The verdict on a claim that is the only one of its paper."""
+    source = (lambda name: evidence) if isinstance(evidence, Evidence) else evidence
+    own = {"id": "c", "page": "1", "claim": "c", "experiment": "two", **claim}
+    return judge(ClaimsSpec.model_validate({"paper": "p", "claims": [own]}), source)[0]

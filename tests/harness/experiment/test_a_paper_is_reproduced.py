@@ -8,15 +8,10 @@ import pytest
 
 from harness.cli.main import run_command_line
 from harness.errors import ExperimentError, RecordingError, UsageError
-from harness.experiment.claims import FAILS, HOLDS, UNTESTABLE
 from harness.experiment.experiment import Experiment
-from harness.experiment.reproduce import (
-    Reproduction,
-    load_paper,
-    reproduce,
-    update_readme,
-    write_page,
-)
+from harness.experiment.judging import FAILS, HOLDS, UNTESTABLE
+from harness.experiment.pages import update_readme, write_page
+from harness.experiment.reproduce import Reproduction, load_paper, reproduce
 from harness.experiment.study import run_study
 from harness.experiment.sweep import run_sweep
 from tests.harness.experiment.papers import CLAIMS, paper
@@ -35,12 +30,13 @@ def done(folder: Path) -> Reproduction:
 def test_verdicts_are_those_of_the_runs(done: Reproduction, folder: Path) -> None:
     better, stable, measured = done.verdicts
     difference = run_study(Experiment.load(folder / "loops/lag.toml")).difference("hard", "iae")
-    assert better.ours is not None and stable.ours is not None and measured.ours is None
-    assert better.ours.value == pytest.approx(difference.value, rel=1e-12)
+    ours = better.findings[0].trials[0].ours
+    assert ours.value == pytest.approx(difference.value, rel=1e-12)
     assert better.verdict == HOLDS
     region = run_sweep(Experiment.load(folder / "loops/machine.toml"))["light"]
-    assert stable.ours.value == region.share and stable.verdict == FAILS
-    assert measured.verdict == UNTESTABLE
+    ours = stable.findings[0].trials[0].ours
+    assert ours.value == region.share and stable.verdict == FAILS
+    assert measured.verdict == UNTESTABLE and not measured.findings
 
 
 class Images(HTMLParser):

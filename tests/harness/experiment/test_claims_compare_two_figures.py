@@ -7,10 +7,12 @@ import pytest
 from pydantic import ValidationError
 
 from harness.errors import UsageError
-from harness.experiment.claims import ClaimSpec, CriterionSpec, Evidence, figure, judge
+from harness.experiment.claims import CriterionSpec
 from harness.experiment.experiment import Experiment
+from harness.experiment.judging import Evidence, sample_of
 from harness.experiment.study import LOST, Study
 from harness.results.intervals import Estimate
+from tests.harness.experiment.papers import judged
 
 EXPERIMENT = Experiment.from_data(
     {
@@ -42,7 +44,8 @@ EVIDENCE = {
 
 def found(**test: str) -> Estimate:
     keys = {"experiment": "first", "variant": "plain", "metric": "peak", **test}
-    return figure(CriterionSpec.model_validate({**keys, "below": 0.0}), EVIDENCE.__getitem__)
+    test = CriterionSpec.model_validate({**keys, "below": 0.0})
+    return sample_of(test, EVIDENCE.__getitem__)[0].estimate()
 
 
 def test_a_difference_is_taken_seed_by_seed() -> None:
@@ -74,12 +77,11 @@ def test_a_pair_without_a_number_or_over_zero_is_counted_as_missing() -> None:
 
 
 def test_a_variant_whose_runs_all_end_early_meets_no_limit() -> None:
-    claim = {"id": "c", "page": "1", "claim": "", "experiment": "first", "variant": "lost"}
-    verdict = judge(
-        ClaimSpec.model_validate({**claim, "metric": "peak", "below": 99.0}), EVIDENCE.__getitem__
+    verdict = judged(
+        EVIDENCE.__getitem__, experiment="first", variant="lost", metric="peak", below=99.0
     )
     assert verdict.verdict == "does not hold"
-    assert verdict.ours is not None and verdict.ours.missing == 3
+    assert verdict.findings[0].trials[0].ours.missing == 3
 
 
 @pytest.mark.parametrize("other", ["other_seeds", "single"])

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from harness.errors import RecordingError
-from harness.experiment.claims import ClaimsSpec, Evidence
-from harness.experiment.reproduce import Paper, Reproduction, update_readme
+from harness.experiment.claims import ClaimsSpec
+from harness.experiment.judging import Evidence
+from harness.experiment.pages import update_readme
+from harness.experiment.reproduce import Paper, Reproduction
 from harness.experiment.schema import SweepSpec
 from harness.experiment.sweep import Region
 
@@ -19,7 +21,7 @@ variants.one = { label = "the first" }
 """
 CLAIMS = {"paper": "p", "claims": [{"id": "c", "page": "1", "claim": "c", "untestable": "no"}]}
 README = "<!-- verdicts: begin -->\n<!-- verdicts: end -->\n"
-MARKERS = "<!-- regions: begin -->\nold\n<!-- regions: end -->\nprose\n"
+MARKERS = "<!-- regions: begin -->\noutdated\n<!-- regions: end -->\nprose\n"
 
 
 def reproduction(folder: Path) -> Reproduction:
@@ -32,7 +34,8 @@ def reproduction(folder: Path) -> Reproduction:
     sweep = SweepSpec.model_validate({"outcome": "error", "below": 1.0, **axes})
     region = Region("one", sweep, np.array([[0.0, 0.5, 0.9], [1.0, 2.0, 0.1]]))
     paper = Paper("p", folder, {"figure": path}, ClaimsSpec.model_validate(CLAIMS))
-    return Reproduction(paper, (), {"figure": Evidence({}, None, {"one": region})}, {}, fast=False)
+    evidence = {"figure": Evidence({}, None, {"one": region})}
+    return Reproduction(paper, (), evidence, {}, fast=False, family=1)
 
 
 def test_between_the_markers_and_nowhere_else(tmp_path: Path) -> None:
@@ -40,7 +43,7 @@ def test_between_the_markers_and_nowhere_else(tmp_path: Path) -> None:
     text = update_readme(reproduction(tmp_path)).read_text(encoding="utf-8")
     part = text.partition("<!-- regions: begin -->\n")[2].partition("<!-- regions: end -->")
     assert part[0].splitlines()[-1] == "| figure | the first | 3 × 2 | 66.7 % |"
-    assert "old" not in text
+    assert "outdated" not in text
     assert part[2] == "\nprose\n"
 
 

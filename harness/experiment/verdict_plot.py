@@ -1,0 +1,94 @@
+"""Pictures of verdicts over a quantity: the figure of a claim with its interval, and the limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from harness.experiment.judging import Finding, Verdict
+from harness.results.atomic import atomic_write, writing
+from harness.results.plots import PALETTE, axis_label, new_figure
+
+_MET = {True: ("o", "full"), False: ("X", "full"), None: ("o", "none")}
+_MANY = 8.0  # from this ratio of the ends on a logarithmic axis shows more
+
+
+def verdict_plot(verdict: Verdict) -> Figure | None:
+    """A panel a reading: the mean with the interval that holds for all claims of the paper at once,
+    full where the claim holds, a cross where it does not, empty where it is undecided; None where
+    nothing is varied."""
+    regions = [finding for finding in verdict.findings if len(finding.trials) > 1]
+    if not regions:
+        return None
+    figure = new_figure((4.6 * len(regions) + 0.6, 3.8), _wrapped(verdict.claim.claim))
+    panels = figure.subplots(1, len(regions), squeeze=False).ravel()
+    for panel, finding in zip(panels, regions, strict=True):
+        _draw(panel, finding)
+        panel.set_title(finding.reading, fontsize="medium")
+        panel.set_xlabel(axis_label(finding.quantity, finding.unit))
+        panel.set_ylabel(_figure_label(finding, verdict.claim.unit))
+    return figure
+
+
+def _draw(panel: Axes, finding: Finding) -> None:
+    x = np.array([trial.at for trial in finding.trials], dtype=float)
+    ours = [trial.ours for trial in finding.trials]
+    middle = np.array([one.value for one in ours])
+    below = middle - [one.low for one in ours]
+    above = [one.high for one in ours] - middle
+    panel.errorbar(x, middle, (below, above), color=PALETTE[0], capsize=3, zorder=2)
+    for at, y, trial in zip(x, middle, finding.trials, strict=True):
+        marker, fill = _MET[trial.met]
+        panel.plot(at, y, marker, color=PALETTE[0], fillstyle=fill, markerfacecoloralt="white")
+    test = finding.trials[0].test
+    near = test.near
+    limits = [trial.test.limit for trial in finding.trials]
+    if near is not None:
+        panel.axhspan(near[0] - near[1], near[0] + near[1], color="0.9", zorder=0)
+    elif len(set(limits)) == 1:
+        panel.axhline(float(limits[0] or 0.0), color="black", linestyle="--", linewidth=1.0)
+    else:
+        panel.plot(x, np.array(limits, dtype=float), color="black", linestyle="--", linewidth=1.0)
+    if x[0] > 0.0 and x[-1] / x[0] >= _MANY:
+        panel.set_xscale("log")
+        panel.set_xticks(x, [f"{value:g}" for value in x])
+        panel.minorticks_off()
+
+
+def _figure_label(finding: Finding, unit: str) -> str:
+    test = finding.trials[0].test
+    name = test.metric.replace("_", " ")
+    if test.share_above is not None:
+        varied = "the limit" if test.curve else f"{test.share_above:g}"
+        return axis_label(f"share of runs with {name}\nabove {varied}", "1")
+    if test.is_comparison:
+        name = f"{name}\n{test.variant} − {test.other.variant}"
+        if test.compare == "ratio":
+            name = name.replace("−", "over")
+    return axis_label(name, unit)
+
+
+def _wrapped(text: str, width: int = 62) -> str:
+    lines = [""]
+    for word in text.split():
+        if len(lines[-1]) + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return "\n".join(lines)
+
+
+def write_pictures(verdicts: Iterable[Verdict], output: Path) -> tuple[Path, ...]:
+    """`claims/ID.png` in `output` for each verdict that is a region."""
+    written = []
+    for verdict in verdicts:
+        figure = verdict_plot(verdict)
+        if figure is not None:
+            path = output / "claims" / f"{verdict.claim.id}.png"
+            with writing(f"{path} cannot be written", path.parent), atomic_write(path) as partial:
+                figure.savefig(partial, format="png")
+            written.append(path)
+    return tuple(written)
