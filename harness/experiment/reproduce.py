@@ -8,8 +8,9 @@ from pathlib import Path
 
 from harness.errors import ExperimentError, HarnessError, UsageError, nearest
 from harness.experiment.claims import ClaimsSpec, load_claims
+from harness.experiment.evidence import REGION, Evidence
 from harness.experiment.experiment import Experiment
-from harness.experiment.judging import REGION, Evidence, Verdict, family_size, judge
+from harness.experiment.judging import Verdict, family_size, judge
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.report import write_report
 from harness.experiment.study import Study, run_study

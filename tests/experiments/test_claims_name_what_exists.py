@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from harness.experiment.claims import ClaimsSpec, Place, load_claims
+from harness.experiment.evidence import REGION
 from harness.experiment.experiment import Experiment
-from harness.experiment.judging import REGION
 from harness.experiment.measures import MEASURED
 from harness.results.step_response import metric_units
 

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from harness.experiment.claims import ClaimsSpec
-from harness.experiment.judging import Evidence, Source, Verdict, judge
+from harness.experiment.evidence import Evidence, Source
+from harness.experiment.judging import Verdict, judge
 from harness.experiment.reproduce import Paper, load_paper
 from tests.harness.experiment.loops import FILE, MACHINE
 

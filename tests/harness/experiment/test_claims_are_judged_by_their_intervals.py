@@ -7,8 +7,9 @@ from scipy import stats
 
 from harness.errors import ExperimentError, UsageError
 from harness.experiment.claims import load_claims
+from harness.experiment.evidence import Evidence
 from harness.experiment.experiment import Experiment
-from harness.experiment.judging import CONDITIONALLY, FAILS, HOLDS, UNDECIDED, Evidence
+from harness.experiment.judging import CONDITIONALLY, FAILS, HOLDS, UNDECIDED
 from harness.experiment.study import LOST, Study
 from harness.results.intervals import Estimate
 from tests.harness.experiment.papers import CLAIMS, judged

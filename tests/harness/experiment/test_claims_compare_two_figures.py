@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from harness.errors import UsageError
 from harness.experiment.claims import CriterionSpec
+from harness.experiment.evidence import Evidence, sample_of
 from harness.experiment.experiment import Experiment
-from harness.experiment.judging import Evidence, sample_of
 from harness.experiment.study import LOST, Study
 from harness.results.intervals import Estimate
 from tests.harness.experiment.papers import judged

@@ -7,7 +7,7 @@ import pytest
 
 from harness.errors import RecordingError
 from harness.experiment.claims import ClaimsSpec
-from harness.experiment.judging import Evidence
+from harness.experiment.evidence import Evidence
 from harness.experiment.pages import update_readme
 from harness.experiment.reproduce import Paper, Reproduction
 from harness.experiment.schema import SweepSpec

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from harness.experiment.claims import CriterionSpec
-from harness.experiment.judging import Evidence, sample_of
+from harness.experiment.evidence import Evidence, sample_of
 from harness.experiment.schema import SweepSpec
 from harness.experiment.sweep import Region
 from harness.results.intervals import Estimate

@@ -6,8 +6,9 @@ import pytest
 
 from harness.experiment import verdict_text
 from harness.experiment.claims import ClaimsSpec
+from harness.experiment.evidence import Evidence
 from harness.experiment.experiment import Experiment
-from harness.experiment.judging import HOLDS, PARTLY, RESTS, Evidence, Verdict, family_size, judge
+from harness.experiment.judging import HOLDS, PARTLY, RESTS, Verdict, family_size, judge
 from harness.experiment.study import Study
 from harness.experiment.verdict_plot import verdict_plot
 from tests.harness.experiment.papers import judged
