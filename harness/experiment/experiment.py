@@ -62,7 +62,8 @@ class Experiment:
                 ends = {study.levels.values[0], study.levels.nominal, study.levels.values[-1]}
                 settings["study"]["levels"] = {"values": sorted(ends)}
         if sweep is not None and sweep.fast is not None:
-            settings["sweep"] = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
+            counts = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
+            settings["sweep"] = {"spacing": 1, **counts}
         return self.from_data(merge(self.data, settings), self.path) if settings else self
 
     @property

@@ -8,8 +8,12 @@ takes over another one, named relative to it, and changes parts of it.
 
 from __future__ import annotations
 
+<<<<<<< HEAD
 from itertools import pairwise
 from typing import Annotated, Any, Literal
+=======
+from typing import Annotated, Any, Literal, Self
+>>>>>>> 6608418 (A map runs its border: sweeps with a spacing refine only where neighbours differ; Takata's laws at a hundredth of the sample)
 
 from pydantic import (
     BaseModel,
@@ -201,15 +205,32 @@ class FastSweepSpec(Strict):
 class SweepSpec(Strict):
     """Closed-loop runs over a grid of two settings; a point is inside where the metric `outcome`
     is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
-    own, the same for all variants; else one realisation decides the whole picture. `fast` is the
-    grid of the fast subset; without it that has the whole grid."""
+    own, the same for all variants; else one realisation decides the whole picture. With `spacing`
+    s, every s-th point of both axes is run, and those between near the border of the region only.
+    `fast` is the grid of the fast subset, all of which is run; without it that has this grid."""
 
     outcome: str
     below: float
     own_seeds: bool = False
+    spacing: int = Field(default=1, ge=1)
     x: AxisSpec
     y: AxisSpec
     fast: FastSweepSpec | None = None
+
+    @model_validator(mode="after")
+    def _spacing_fits(self) -> Self:
+        if self.spacing & (self.spacing - 1) or any(
+            (axis.count - 1) % self.spacing for axis in (self.x, self.y)
+        ):
+            raise ValueError(
+                f"spacing {self.spacing} must be a power of 2 that divides both counts less one "
+                f"({self.x.count - 1} and {self.y.count - 1})"
+            )
+        if self.own_seeds and self.spacing > 1:
+            raise ValueError(
+                "with own_seeds a point says nothing of its neighbours; leave spacing out"
+            )
+        return self
 
 
 class PlotSpec(Strict):

@@ -6,9 +6,10 @@ runs are spread over processes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from harness.errors import ExperimentError, nearest
+from harness.experiment.border import explore
 from harness.experiment.experiment import Experiment
-from harness.experiment.parallel import Workers
+from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.repeated import Metrics, Point, run_points
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.atomic import atomic_write, writing
@@ -29,11 +31,13 @@ from harness.results.plots import axis_label, new_figure
 @dataclass(frozen=True, eq=False)
 class Region:
     """The outcome of one variant: `outcome[i, j]` belongs to y value i and x value j; NaN where
-    the run ended early, or the figure does not exist."""
+    the run ended early, or the figure does not exist. `ran` are the points that were run, None for
+    all; the others have the outcome of a neighbour that is on their side of the border."""
 
     variant: str
     spec: SweepSpec
     outcome: NDArray[np.float64]
+    ran: NDArray[np.bool_] | None = None
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -58,13 +62,26 @@ def run_sweep(
     `workers` are as those of `run_points`; a point whose run ends early lies outside.
     """
     spec = _spec(experiment)
-    rows = [
-        [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
-    ]
     chosen, figure = variants or experiment.variants, partial(_outcome, experiment)
-    found = run_points(experiment, chosen, rows, figure, workers=workers, progress=progress)
     shape = (spec.y.count, spec.x.count)
-    return {v: Region(v, spec, np.reshape(outcome, shape)) for v, outcome in found.items()}
+    levels = spec.spacing.bit_length()
+
+    def run(places: Sequence[tuple[int, int]], done: float) -> NDArray[np.float64]:
+        rows = [
+            [_point(experiment, spec, i, j) for i, j in row]
+            for _, row in groupby(places, key=lambda place: place[0])
+        ]
+        moved = None if progress is None else partial(_move, progress, done, levels)
+        found = run_points(experiment, chosen, rows, figure, workers=workers, progress=moved)
+        return np.array([found[variant] for variant in chosen])
+
+    with given_or_one(workers) as workers:
+        outcome, ran = explore(shape, spec.spacing, run, lambda values: values < spec.below)
+    return {v: Region(v, spec, outcome[k], ran) for k, v in enumerate(chosen)}
+
+
+def _move(progress: Callable[[float], None], done: float, levels: int, share: float) -> None:
+    progress(done + share / levels)
 
 
 def _spec(experiment: Experiment) -> SweepSpec:
@@ -121,11 +138,12 @@ def _axis(axis: AxisSpec) -> str:
 
 
 def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path) -> list[Path]:
-    """`regions.png` and `regions.csv` (variant, x, y, outcome, inside) in `folder`."""
+    """`regions.png` and `regions.csv` (variant, x, y, outcome, inside, ran) in `folder`."""
     picture, table = folder / "regions.png", folder / "regions.csv"
     points = pd.DataFrame(
         {"variant": variant, "x": x, "y": y, "outcome": region.outcome[i, j],
-         "inside": int(region.inside[i, j])}
+         "inside": int(region.inside[i, j]),
+         "ran": 1 if region.ran is None else int(region.ran[i, j])}
         for variant, region in regions.items()
         for i, y in enumerate(region.spec.y.values)
         for j, x in enumerate(region.spec.x.values)

@@ -65,8 +65,9 @@ def test_what_is_written(tmp_path: Path) -> None:
     picture, table = write_sweep(experiment, regions, tmp_path / "out")
     assert picture.stat().st_size > 5000
     heading, *rows = table.read_text(encoding="utf-8").splitlines()
-    assert heading == "variant,x,y,outcome,inside" and len(rows) == 2 * 6
-    variant, x, y, outcome, inside = rows[7].split(",")
+    assert heading == "variant,x,y,outcome,inside,ran" and len(rows) == 2 * 6
+    variant, x, y, outcome, inside, ran = rows[7].split(",")
+    assert ran == "1"
     region = regions["heavy"]
     assert (variant, float(x), float(y)) == ("heavy", 0.0, -1.0)
     assert float(outcome) == region.outcome[0, 1] and bool(int(inside)) == region.inside[0, 1]
