@@ -8,12 +8,8 @@ takes over another one, named relative to it, and changes parts of it.
 
 from __future__ import annotations
 
-<<<<<<< HEAD
 from itertools import pairwise
-from typing import Annotated, Any, Literal
-=======
 from typing import Annotated, Any, Literal, Self
->>>>>>> 6608418 (A map runs its border: sweeps with a spacing refine only where neighbours differ; Takata's laws at a hundredth of the sample)
 
 from pydantic import (
     BaseModel,

@@ -1,4 +1,4 @@
-"""The error of a Luenberger observer obeys the polynomial of its poles, and is 0 when it starts at 0.
+"""The error of a Luenberger observer obeys the polynomial of its poles; it is 0 if it starts at 0.
 
 The plant is stepped by scipy's matrix exponential, which shares no code with the observer.
 """
