@@ -21,13 +21,16 @@ def patterns() -> dict[str, np.ndarray]:
     }
 
 
+def sparsity(pattern: np.ndarray) -> ca.Sparsity:
+    return ca.sparsify(ca.DM(pattern.astype(float))).sparsity()
+
+
 @pytest.mark.parametrize("name", patterns())
 def test_solution_is_that_of_numpy(name: str) -> None:
     pattern = patterns()[name]
     n, generator = len(pattern), np.random.default_rng(2)
     jacobian = np.where(pattern, generator.normal(size=(n, n)), 0.0)
-    sparsity = ca.DM(pattern.astype(float)).sparsity() if pattern.any() else ca.Sparsity(n, n)
-    solver = elimination(sparsity)
+    solver = elimination(sparsity(pattern))
     nonzeros = jacobian.T[pattern.T]
     right, d = generator.normal(size=n), 7.0
     found = solver.solve(solver.factorise(nonzeros, d), right).full().ravel()
@@ -49,4 +52,4 @@ def test_units_of_states_do_not_matter() -> None:
 def test_an_arrow_is_eliminated_from_its_tip() -> None:
     """In the given order the first pivot would fill the matrix."""
     pattern = patterns()["arrow"]
-    assert elimination(ca.DM(pattern.astype(float)).sparsity()).n_factors == pattern.sum()
+    assert elimination(sparsity(pattern)).n_factors == pattern.sum()
