@@ -25,8 +25,10 @@ def axis_states() -> tuple[State, ...]:
         State("shaft_speed", "rad/s", "speed of motor and pump", 0.0, 100.0),
         State("air_gap_torque", "N.m", "torque of the motor behind its torque loop", 0.0, 10.0),
         State("speed_integral", "N.m", "integral part of the drive's speed loop", 0.0, 10.0),
-        State("chamber_pressure_a", "Pa", "piston side, absolute", ATMOSPHERE, 1e6),
-        State("chamber_pressure_b", "Pa", "rod side, absolute", ATMOSPHERE, 1e6),
+        # 1e5: free air makes oil near 1 bar so soft that an error of mass there, pumped up, becomes
+        # one of pressure a hundred times as large
+        State("chamber_pressure_a", "Pa", "piston side, absolute", ATMOSPHERE, 1e5),
+        State("chamber_pressure_b", "Pa", "rod side, absolute", ATMOSPHERE, 1e5),
         State("rod_displacement", "m", "from mid-stroke, positive in extension", 0.0, 1e-3),
         State("rod_velocity", "m/s", "positive in extension", 0.0, 1e-2),
     )

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import casadi as ca
+
 from fmus.physics.smooth import Expression, saturate
 
 TORQUE_WIDTH = 0.1  # of the torque limit; rounding of the saturation
@@ -31,7 +33,7 @@ class ServoDrive:
     def available_torque(self, speed: Expression) -> Expression:
         """T_max(ω) in N·m."""
         ratio = self.torque_limit * speed / self.power_limit
-        return self.torque_limit / (1 + ratio**4) ** 0.25
+        return self.torque_limit / ca.sqrt(ca.sqrt(1 + ratio**4))
 
     def derivatives(
         self, speed_reference: Expression, speed: Expression, torque: Expression, z: Expression

@@ -6,6 +6,7 @@ written at the head of `c/component.h`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,24 +14,30 @@ from typing import Any
 import casadi as ca
 
 from fmus.packaging.c_source import c_numbers, c_table, runtime_files
+from fmus.packaging.plant.elimination import Elimination, elimination
 from fmus.packaging.plant.emit import C, statements
 from fmus.packaging.plant.expressions import PlantExpressions
 from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
 
 RUNTIME = Path(__file__).parent / "c"
+FACTORISE = ("state_jacobian", "diagonal")
+SOLVE = ("factors", "right")
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
     """CasADi functions of (x, u, p) from which both languages are written.
 
-    `linearise` yields dx and df/dx row by row (n_x squared); `jacobian` the nonzeros of
-    d(f, h)/d(x, u, p), whose compressed columns are `starts` and `rows`.
+    `linearise` yields dx and the nonzeros of df/dx by columns, whose rows are `state_rows`;
+    `elimination` solves with d·I − df/dx. `jacobian` yields the nonzeros of d(f, h)/d(x, u, p),
+    whose compressed columns are `starts` and `rows`.
     """
 
     derivatives: Any
     outputs: Any
     linearise: Any
+    state_rows: tuple[int, ...]
+    elimination: Elimination
     jacobian: Any
     starts: tuple[int, ...]
     rows: tuple[int, ...]
@@ -40,7 +47,8 @@ def equations_of(expressions: PlantExpressions) -> Equations:
     """The functions that an FMU evaluates."""
     arguments = [expressions.x, expressions.u, expressions.p]
     jacobian = expressions.jacobian
-    state_jacobian = ca.jacobian(expressions.dx, expressions.x)
+    state_jacobian = ca.sparsify(ca.jacobian(expressions.dx, expressions.x))
+    pattern = state_jacobian.sparsity()
 
     def function(name: str, *results: Any) -> Any:
         return ca.Function(name, arguments, list(results), {"cse": True})
@@ -48,8 +56,9 @@ def equations_of(expressions: PlantExpressions) -> Equations:
     return Equations(
         function("derivatives", expressions.dx),
         function("outputs", expressions.y),
-        # column-major storage of the transpose is row-major storage of the matrix
-        function("linearise", expressions.dx, ca.densify(state_jacobian.T)),
+        function("linearise", expressions.dx, state_jacobian),
+        tuple(pattern.row()),
+        elimination(pattern),
         function("jacobian", jacobian),
         tuple(jacobian.sparsity().colind()),
         tuple(jacobian.sparsity().row()),
@@ -59,16 +68,19 @@ def equations_of(expressions: PlantExpressions) -> Equations:
 def model_source(expressions: PlantExpressions, fmi_version: int, token: str) -> str:
     """The text of `model.c`."""
     equations = equations_of(expressions)
+    solver = equations.elimination
     return "\n".join(
         (
             f"/* {expressions.interface.plant.name}: generated from the plant's equations. */\n",
             "#include <math.h>\n",
             _definitions(expressions, equations, fmi_version, token),
             _tables(expressions, equations),
-            _function(equations.derivatives, "model_derivatives", ["dx"]),
-            _function(equations.outputs, "model_outputs", ["y"]),
-            _function(equations.linearise, "model_linearise", ["dx", "state_jacobian"]),
-            _function(equations.jacobian, "model_jacobian", ["nonzeros"]),
+            _function(equations.derivatives, "model_derivatives", "xup", ["dx"]),
+            _function(equations.outputs, "model_outputs", "xup", ["y"]),
+            _function(equations.linearise, "model_linearise", "xup", ["dx", "state_jacobian"]),
+            _function(equations.jacobian, "model_jacobian", "xup", ["nonzeros"]),
+            _function(solver.factorise, "model_factorise", FACTORISE, ["factors"]),
+            _function(solver.solve, "model_solve", SOLVE, ["solution"]),
         )
     )
 
@@ -94,6 +106,8 @@ def _definitions(
         "N_Y": len(interface.outputs),
         "N_P": len(interface.plant.parameters),
         "N_JACOBIAN": len(equations.rows),
+        "N_STATE_JACOBIAN": len(equations.state_rows),
+        "N_FACTORS": equations.elimination.n_factors,
     }
     return "".join(f"#define {name} {value}\n" for name, value in values.items())
 
@@ -115,13 +129,14 @@ def _tables(expressions: PlantExpressions, equations: Equations) -> str:
         ("int", "model_p_tunable", [str(int(p.tunable)) for p in parameters]),
         ("int", "model_jacobian_starts", [str(i) for i in equations.starts]),
         ("int", "model_jacobian_rows", [str(i) for i in equations.rows]),
+        ("int", "model_state_jacobian_rows", [str(i) for i in equations.state_rows]),
     )
     return "".join(c_table(kind, name, entries) for kind, name, entries in tables)
 
 
-def _function(function: Any, name: str, results: list[str]) -> str:
-    arguments = [f"const double *restrict {letter}" for letter in "xup"]
-    arguments += [f"double *restrict {result}" for result in results]
-    unused = "".join(f"    (void){letter};\n" for letter in ("x", "u", "p", *results))
-    body = statements(function, C, ["x", "u", "p"], results)
-    return f"static void {name}({', '.join(arguments)}) {{\n{unused}{body}\n}}\n"
+def _function(function: Any, name: str, arguments: Sequence[str], results: list[str]) -> str:
+    signature = [f"const double *restrict {argument}" for argument in arguments]
+    signature += [f"double *restrict {result}" for result in results]
+    unused = "".join(f"    (void){letter};\n" for letter in (*arguments, *results))
+    body = statements(function, C, list(arguments), results)
+    return f"static void {name}({', '.join(signature)}) {{\n{unused}{body}\n}}\n"

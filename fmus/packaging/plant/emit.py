@@ -10,6 +10,7 @@ This module refuses to know plants and FMUs.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isinf, isnan
@@ -53,8 +54,6 @@ _FUNCTIONS = {
     ca.OP_FMOD: "fmod",
     ca.OP_FABS: "fabs",
     ca.OP_COPYSIGN: "copysign",
-    ca.OP_FMIN: "fmin",
-    ca.OP_FMAX: "fmax",
     ca.OP_LOG1P: "log1p",
     ca.OP_EXPM1: "expm1",
     ca.OP_HYPOT: "hypot",
@@ -62,7 +61,7 @@ _FUNCTIONS = {
 _COMPARISONS = {ca.OP_LT: "<", ca.OP_LE: "<=", ca.OP_EQ: "==", ca.OP_NE: "!="}
 
 
-_BINARY_FUNCTIONS = frozenset({"pow", "atan2", "fmod", "copysign", "fmin", "fmax", "hypot"})
+_BINARY_FUNCTIONS = frozenset({"pow", "atan2", "fmod", "copysign", "hypot"})
 
 
 def _calls() -> dict[int, str]:
@@ -79,6 +78,9 @@ C_TEMPLATES = {
     **{code: f"({{0}} {sign} {{1}}) ? 1.0 : 0.0" for code, sign in _COMPARISONS.items()},
     ca.OP_DIV: "{0} / {1}",
     ca.OP_INV: "1.0 / {0}",
+    # a comparison is one instruction, C's fmin a call; NaN in the second place passes on
+    ca.OP_FMIN: "({0} < {1}) ? {0} : {1}",
+    ca.OP_FMAX: "({0} > {1}) ? {0} : {1}",
     ca.OP_NOT: "({0} != 0.0) ? 0.0 : 1.0",
     ca.OP_AND: "({0} != 0.0 && {1} != 0.0) ? 1.0 : 0.0",
     ca.OP_OR: "({0} != 0.0 || {1} != 0.0) ? 1.0 : 0.0",
@@ -94,6 +96,8 @@ PYTHON_TEMPLATES = {
     **{code: f"1.0 if {{0}} {sign} {{1}} else 0.0" for code, sign in _COMPARISONS.items()},
     ca.OP_DIV: "div({0}, {1})",
     ca.OP_INV: "div(1.0, {0})",
+    ca.OP_FMIN: "{0} if {0} < {1} else {1}",
+    ca.OP_FMAX: "{0} if {0} > {1} else {1}",
     ca.OP_NOT: "0.0 if {0} != 0.0 else 1.0",
     ca.OP_AND: "1.0 if {0} != 0.0 and {1} != 0.0 else 0.0",
     ca.OP_OR: "1.0 if {0} != 0.0 or {1} != 0.0 else 0.0",
@@ -117,26 +121,64 @@ C = Language(C_TEMPLATES, "const double {0} = {1};", "{0} = {1};", "INFINITY", "
 PYTHON = Language(PYTHON_TEMPLATES, "{0} = {1}", "{0} = {1}", "inf", "nan")
 
 
+@dataclass(frozen=True)
+class _Instruction:
+    """One operation: `code` of CasADi, names or literals of its operands, name of its result."""
+
+    code: int
+    operands: tuple[str, ...]
+    target: str
+
+    @property
+    def divisor(self) -> str | None:
+        """What it divides by."""
+        return self.operands[-1] if self.code in (ca.OP_DIV, ca.OP_INV) else None
+
+
 def statements(function: Any, language: Language, inputs: list[str], outputs: list[str]) -> str:
     """The body of `function`: one indented line an instruction.
 
     `inputs` and `outputs` name the arrays that take the place of the function's arguments; a
-    sparse output is stored as its nonzeros, column by column. Raises PackagingError for an
-    operation that has no template.
+    sparse output is stored as its nonzeros, column by column. Where several instructions divide by
+    one variable they multiply by its reciprocal, computed once: a division takes as long as five
+    multiplications. Raises PackagingError for an operation that has no template.
     """
-    return "\n".join(f"    {line}" for line in _lines(function, language, inputs, outputs))
+    instructions = list(_instructions(function, language, inputs, outputs))
+    divisors = Counter(i.divisor for i in instructions if i.divisor and i.divisor[0].isalpha())
+    repeated = {name for name, count in divisors.items() if count > 1}
+    return "\n".join(f"    {line}" for line in _lines(instructions, language, repeated))
 
 
 def _lines(
-    function: Any, language: Language, inputs: list[str], outputs: list[str]
+    instructions: list[_Instruction], language: Language, repeated: set[str]
 ) -> Iterator[str]:
+    reciprocals: dict[str, str] = {}
+    for one in instructions:
+        divisor, code, operands = one.divisor, one.code, one.operands
+        if divisor in repeated:
+            if divisor not in reciprocals:
+                reciprocals[divisor] = f"r{len(reciprocals)}"
+                inverse = _operation(ca.OP_INV, (divisor,), language)
+                yield language.assign.format(reciprocals[divisor], inverse)
+            operands = (*operands[:-1], reciprocals[divisor])
+            code = ca.OP_MUL if code == ca.OP_DIV else ca.OP_ASSIGN
+        if code == ca.OP_OUTPUT:
+            yield language.store.format(one.target, operands[0])
+        else:
+            yield language.assign.format(one.target, _operation(code, operands, language))
+
+
+def _instructions(
+    function: Any, language: Language, inputs: list[str], outputs: list[str]
+) -> Iterator[_Instruction]:
+    """The operations in order; reading an input or a constant is none."""
     registers: dict[int, str] = {}
     for k in range(function.n_instructions()):
         code = function.instruction_id(k)
         if code == ca.OP_OUTPUT:
             output, place = function.instruction_output(k)
             value = registers[function.instruction_input(k)[0]]
-            yield language.store.format(f"{outputs[output]}[{place}]", value)
+            yield _Instruction(code, (value,), f"{outputs[output]}[{place}]")
             continue
         target = function.instruction_output(k)[0]
         if code == ca.OP_INPUT:
@@ -145,12 +187,12 @@ def _lines(
         elif code == ca.OP_CONST:
             registers[target] = _literal(function.instruction_constant(k), language)
         else:
-            operands = [registers[i] for i in function.instruction_input(k)]
-            yield language.assign.format(f"t{k}", _operation(code, operands, language))
+            operands = tuple(registers[i] for i in function.instruction_input(k))
+            yield _Instruction(code, operands, f"t{k}")
             registers[target] = f"t{k}"
 
 
-def _operation(code: int, operands: list[str], language: Language) -> str:
+def _operation(code: int, operands: tuple[str, ...], language: Language) -> str:
     if code not in language.templates:
         raise PackagingError(
             f"The equations use CasADi operation number {code}, which no FMU of ours can compute; "

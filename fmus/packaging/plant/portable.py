@@ -9,6 +9,7 @@ used: its archives differ from build to build and leave out units and dependenci
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from fmus.declaration import PlantModel
 from fmus.packaging.archive import UNKNOWN_TOKEN, content_token, write_archive
 from fmus.packaging.bridge import PYTHON_NEEDED, bridge_files, bundled_parts
 from fmus.packaging.documentation import documents
-from fmus.packaging.plant.codegen import equations_of
+from fmus.packaging.plant.codegen import FACTORISE, SOLVE, equations_of
 from fmus.packaging.plant.emit import PYTHON, statements
 from fmus.packaging.plant.expressions import PlantExpressions, plant_expressions
 from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
@@ -86,21 +87,25 @@ def equations_source(expressions: PlantExpressions) -> str:
         "p_range": bounds,
         "p_tunable": [parameter.tunable for parameter in plant.parameters],
         "n_outputs": n_y,
+        "state_jacobian_rows": list(equations.state_rows),
         "relative_tolerance": RELATIVE_TOLERANCE,
     }
     lines = [
         f"    {name}={tuple(value) if isinstance(value, list) else value!r},"
         for name, value in tables.items()
     ]
-    functions = ("derivatives", "outputs", "linearise")
+    functions = ("derivatives", "outputs", "linearise", "factorise", "solve")
+    solver, n_slopes = equations.elimination, len(equations.state_rows)
     return "\n".join(
         (
             f'"""{plant.name}: generated from the plant\'s equations."""\n',
             "from .mathematics import *",
             "from .model import Model\n",
-            _function(equations.derivatives, "derivatives", {"dx": n_x}),
-            _function(equations.outputs, "outputs", {"y": n_y}),
-            _function(equations.linearise, "linearise", {"dx": n_x, "jacobian": n_x * n_x}),
+            _function(equations.derivatives, "derivatives", "xup", {"dx": n_x}),
+            _function(equations.outputs, "outputs", "xup", {"y": n_y}),
+            _function(equations.linearise, "linearise", "xup", {"dx": n_x, "jacobian": n_slopes}),
+            _function(solver.factorise, "factorise", FACTORISE, {"factors": solver.n_factors}),
+            _function(solver.solve, "solve", SOLVE, {"solution": n_x}),
             "\nMODEL = Model(",
             *lines,
             *(f"    {name}={name}," for name in functions),
@@ -109,8 +114,8 @@ def equations_source(expressions: PlantExpressions) -> str:
     )
 
 
-def _function(function: Any, name: str, results: dict[str, int]) -> str:
+def _function(function: Any, name: str, arguments: Sequence[str], results: dict[str, int]) -> str:
     head = [f"    {result} = [0.0] * {size}" for result, size in results.items()]
-    body = statements(function, PYTHON, ["x", "u", "p"], list(results))
-    lines = [f"\ndef {name}(x, u, p):", *head, body, f"    return {', '.join(results)}\n"]
-    return "\n".join(line for line in lines if line)
+    body = statements(function, PYTHON, list(arguments), list(results))
+    lines = [f"\ndef {name}({', '.join(arguments)}):", *head, body]
+    return "\n".join(line for line in (*lines, f"    return {', '.join(results)}\n") if line)

@@ -3,7 +3,7 @@
 
 #include "model.c" /* generated from the plant's equations; defines FMI_VERSION */
 
-#include "rodas4.c"
+#include "rodas5p.c"
 
 #include "component.c"
 

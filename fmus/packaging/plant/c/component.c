@@ -53,22 +53,12 @@ static Status component_exit_initialization(Component *component, const char *ca
                                  stepped ? MODE_STEP : MODE_EVENT);
 }
 
-static void solver_derivatives(const void *context, const double *x, double *dx) {
-    const State *state = context;
-    model_derivatives(x, state->u, state->p, dx);
-}
-
-static void solver_linearise(const void *context, const double *x, double *dx, double *jacobian) {
-    const State *state = context;
-    model_linearise(x, state->u, state->p, dx, jacobian);
-}
-
-static const char *reason(Rodas4Result result) {
+static const char *reason(Rodas5pResult result) {
     switch (result) {
-    case RODAS4_DONE: return "done";
-    case RODAS4_NOT_FINITE: return "the equations yield NaN or infinity";
-    case RODAS4_STEP_TOO_SMALL: return "the error test fails down to the smallest substep";
-    case RODAS4_TOO_MANY_STEPS: return "the limit of substeps is reached";
+    case RODAS5P_DONE: return "done";
+    case RODAS5P_NOT_FINITE: return "the equations yield NaN or infinity";
+    case RODAS5P_STEP_TOO_SMALL: return "the error test fails down to the smallest substep";
+    case RODAS5P_TOO_MANY_STEPS: return "the limit of substeps is reached";
     }
     return "unknown";
 }
@@ -77,18 +67,16 @@ static Status component_do_step(Component *component, const char *call, double t
     State *state = &component->state;
     double x[N_X + 1];
     double substep = state->substep;
-    Rodas4Report report = {0, 0, 0, 0.0};
-    Rodas4 solver = {N_X, state, solver_derivatives, solver_linearise, 0.0, model_x_nominal,
-                     component->solver_work, component->pivots};
+    Rodas5pReport report = {0, 0, 0, 0.0};
+    const Rodas5p solver = {state->u, state->p, state->relative_tolerance};
     if (component_check_mode(component, call, MODE_STEP) != STATUS_OK ||
         check_step(component, call, time, step) != STATUS_OK) {
         return STATUS_ERROR;
     }
-    solver.relative_tolerance = state->relative_tolerance;
     memcpy(x, state->x, sizeof x);
     if (N_X > 0) {
-        const Rodas4Result result = rodas4_integrate(&solver, step, x, &substep, &report);
-        if (result != RODAS4_DONE) {
+        const Rodas5pResult result = rodas5p_integrate(&solver, step, x, &substep, &report);
+        if (result != RODAS5P_DONE) {
             state->mode = MODE_FAILED;
             return component_log(
                 component, STATUS_ERROR, LOG_ERROR,

@@ -3,7 +3,6 @@
 #define STATE_H
 
 #include "component.h"
-#include "rodas4.h"
 
 /* What component_new can make. */
 enum { OFFERS_MODEL_EXCHANGE = 1 };
@@ -44,8 +43,6 @@ struct Component {
     bool derivatives_valid;
     double dx[N_X + 1];
     double y[N_Y + 1];
-    double solver_work[RODAS4_WORK(N_X) + 1];
-    size_t pivots[N_X + 1];
 };
 
 #endif

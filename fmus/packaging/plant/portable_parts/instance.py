@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from . import rodas4
+from . import rodas5p
 from .model import Model
 
 
@@ -34,7 +34,7 @@ class StepError(Exception):
 
 
 class Instance:
-    """A plant stepped by RODAS4, with the values of one instance."""
+    """A plant stepped by Rodas5P, with the values of one instance."""
 
     def __init__(self, model: Model) -> None:
         """Start values throughout."""
@@ -65,19 +65,13 @@ class Instance:
     def do_step(self, current_time: float, step_size: float) -> None:
         """Step, or raise StepError and keep the values as they were."""
         values, model = self._values, self._model
-        problem = rodas4.Problem(
-            lambda x: model.derivatives(x, values.u, values.p),
-            lambda x: model.linearise(x, values.u, values.p),
-            values.relative_tolerance,
-            model.x_nominal,
-            model.state_names,
-        )
+        problem = rodas5p.Problem(model, values.u, values.p, values.relative_tolerance)
         if values.x:
             try:
-                values.x, values.substep = rodas4.integrate(
+                values.x, values.substep = rodas5p.integrate(
                     problem, step_size, values.x, values.substep
                 )
-            except rodas4.IntegrationError as failure:
+            except rodas5p.IntegrationError as failure:
                 raise StepError(
                     f"The step from {current_time!r} s over {step_size!r} s failed {failure}. "
                     "The values are those before the step."

@@ -28,8 +28,6 @@ __all__ = [
     "expm1",
     "fabs",
     "floor",
-    "fmax",
-    "fmin",
     "fmod",
     "hypot",
     "inf",
@@ -125,13 +123,3 @@ def fmod(a: float, b: float) -> float:
         return math.fmod(a, b)
     except ValueError:
         return nan
-
-
-def fmin(a: float, b: float) -> float:
-    """The smaller one; a number beats NaN."""
-    return b if isnan(a) or b < a else a
-
-
-def fmax(a: float, b: float) -> float:
-    """The larger one; a number beats NaN."""
-    return b if isnan(a) or b > a else a

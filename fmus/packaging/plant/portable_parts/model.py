@@ -10,8 +10,12 @@ Vector = list[float]
 
 @dataclass(frozen=True)
 class Model:
-    """Tables and functions of (x, u, p) of one plant, `names` by value
-    reference; `linearise` returns dx and df/dx by rows."""
+    """Tables and functions of (x, u, p) of one plant, `names` by value reference.
+
+    `linearise` returns dx and the nonzeros of df/dx by columns; `factorise` of those nonzeros and
+    [d] the factors of d·I − df/dx, the inverses of its pivots first; `solve` of factors and right
+    side the solution.
+    """
 
     names: tuple[str, ...]
     state_names: tuple[str, ...]
@@ -22,7 +26,10 @@ class Model:
     p_range: tuple[tuple[float, float], ...]
     p_tunable: tuple[bool, ...]
     n_outputs: int
+    state_jacobian_rows: tuple[int, ...]
     relative_tolerance: float
     derivatives: Callable[[Vector, Vector, Vector], Vector]
     outputs: Callable[[Vector, Vector, Vector], Vector]
     linearise: Callable[[Vector, Vector, Vector], tuple[Vector, Vector]]
+    factorise: Callable[[Vector, Vector], Vector]
+    solve: Callable[[Vector, Vector], Vector]
