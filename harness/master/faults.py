@@ -135,7 +135,7 @@ def _converted(program: Program, row: NDArray[np.int64]) -> tuple[int, float]:
     v, copies, scales = program.v.copy(), program.copies, program.scales
     i = next(
         i for i in range(int(row[1]), int(row[2]))
-        if not convert(copies, scales, v, v.view(np.int64), i, i + 1)
+        if not convert(copies.ravel(), scales.ravel(), v, v.view(np.int64), i, i + 1)
     )  # fmt: skip
     source = int(copies[i, 0])
     whole = copies[i, 2] in (op.FROM_INT64, op.INT64_TO_UINT64)

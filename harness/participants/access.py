@@ -155,7 +155,8 @@ class Access:
         if encoded and verb == "Set":
             yield [op.ENCODE, *code]
         sized = instance.prefix == "fmi3" and group.suffix != "Clock"
-        yield [op.CALL_5, *call, n] if sized else [op.CALL_4, *call]
+        codes = (op.SET_FMI2, op.SET_FMI3) if verb == "Set" else (op.CALL_4, op.CALL_5)
+        yield [codes[1], *call, n] if sized else [codes[0], *call]
         if encoded and verb == "Get":
             yield [op.DECODE, *code]
 

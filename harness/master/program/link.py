@@ -25,7 +25,6 @@ from harness.master.plan.actions import (
     Read,
     Record,
     Slope,
-    Step,
     Transfer,
     UnlessStop,
     Write,
@@ -138,8 +137,8 @@ class Linker:
             code[i, : len(row)] = row
 
         def table(instants: Iterable[Instant]) -> NDArray[np.int64]:
-            found = [(instant.offset_ns, *spans[id(instant.actions)]) for instant in instants]
-            return np.array(found, dtype=np.int64).reshape(-1, 3)
+            found = [(instant.offset_ns, *spans[id(instant.actions)], 0) for instant in instants]
+            return np.array(found, dtype=np.int64).reshape(-1, op.INSTANT_WIDTH)
 
         events = {
             name: (table([Instant(0, actions)]), self._row_slots(actions))
@@ -182,7 +181,7 @@ class Linker:
             case Record():
                 return [[op.RECORD]]
             case UnlessStop():
-                return [[op.UNLESS_STOP]]
+                return [[op.UNLESS_STOP, 0, op.TO_THE_END]]
             case ParticipantAction():
                 return action.rows(self.participants[action.component])
         raise AssertionError(f"{action} has no rows")
@@ -207,7 +206,7 @@ class Linker:
         yield from body
         yield memory.copy(outputs, iteration.found, scales), action
         yield iteration.solve(memory.address(0)), action
-        yield [op.REPEAT, iteration.first, len(body) + 3], action
+        yield [op.REPEAT, iteration.first, -(len(body) + 3)], action
 
     def _stored(self, end: Endpoint) -> int:
         """How an FMU's input holds a real: rows show what it was given."""
@@ -224,8 +223,6 @@ class Linker:
         match action:
             case Read() | Write():
                 return len(scalar_ports(action.ends, self.descriptions))
-            case Step():
-                return 1
         return 0
 
     def _negated(self, action: Action) -> int:
