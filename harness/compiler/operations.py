@@ -3,8 +3,8 @@
 A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the others are operands.
 `loop.run_cycles` executes it compiled; the tests execute it in plain Python.
 
-COPY         first, last: for i in [first, last): v[destination[i]] = v[source[i]]
-SCALE        first, last: for i in [first, last):
+COPY         first, n: for i in [first, first + n): v[destination[i]] = v[source[i]]
+SCALE        first, n: for i in [first, first + n):
              v[destination[i]] = factor[i] * v[source[i]] + offset[i]
 SAMPLE       signal, slot: v[slot] = next prepared sample of that signal
 CALL_n       address, then n int64 arguments: int32 status = (*address)(…). Blocks take 5 (p, x, u,
@@ -16,17 +16,17 @@ STEP_FMI2    address, instance, step in ns, final
 STEP_FMI3    address, instance, step in ns, flags, last successful time, final: the flags are
              eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each. `final` is 1
              where the state before the step will not be asked for again, else 0
-CHECK        first slot, last slot: the run ends where one of them is NaN or infinite
+CHECK        first slot, n: the run ends where one of n slots is NaN or infinite
 ENCODE       kind, first slot, last slot, byte offset: float64 slots to C integers in the buffer;
              the run ends where a number does not fit
 DECODE       the same operands: from C integers in the buffer
-RECORD       no operands: append the recorded slots as a row
+RECORD       0, n: append the n recorded slots as a row
 ADD          as SCALE, added to what is there
 CALL_2_AT    address, int64 argument, place: the second argument is the int64 at address `place`
 REPEAT       slot, rows: leap by that many rows (back) while v[slot] is not zero; the run ends where
              it is NaN
 UNLESS_STOP  0, `TO_THE_END`: at the stop time the instant ends here
-COPY_TYPED   first, last: as SCALE, each by its conversion (third column of copies); the run ends
+COPY_TYPED   first, n: as SCALE, each by its conversion (third column of copies); the run ends
              where a number does not fit
 STEP_CALL    address, context, step in ticks, first slot, last slot: status = (*address)(context,
              time, end of the step), both times in s, for what no single function of an FMU does;
@@ -56,11 +56,11 @@ UNTOUCHED = -1.7976931348623157e308
 
 (
     PROGRAM, INSTANTS, N_INSTANTS, START, STOP, CYCLE_NS, TICKS, UNTIL, CLOCK, V, COPIES, SCALES,
-    SAMPLES, CURSORS, EXCHANGE, RECORDED, COLUMNS, ROWS_AT, N_ROWS, TIMES,
-) = range(20)  # fmt: skip
+    SAMPLES, CURSORS, EXCHANGE, RECORDED, ROWS_AT, N_ROWS, TIMES,
+) = range(19)  # fmt: skip
 """Cells of a frame (`harness.master.program.frame`), int64 each: addresses of arrays, lengths of
 some, and times in ticks; TICKS is a float64, the number of ticks in a second."""
-FRAME_SIZE = 20
+FRAME_SIZE = 19
 
 INSTANT_WIDTH = 4
 """Columns of an instant: its offset in the cycle in ticks, its first row and that after its last
@@ -72,6 +72,8 @@ WIDTH = 11
     RECORD, ADD, CALL_2, CALL_2_AT, REPEAT, UNLESS_STOP, COPY_TYPED, STEP_CALL, SKIP, SCALE,
     SET_FMI2, SET_FMI3,
 ) = range(23)  # fmt: skip
+COUNTED = (COPY, SCALE, ADD, COPY_TYPED, CHECK, RECORD)
+"""These are done as often as their second operand says."""
 LEAPING = (REPEAT, SKIP, UNLESS_STOP)
 """After these the next row may be another one: that by their second operand further on."""
 TO_THE_END = 2**32

@@ -33,6 +33,7 @@ from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan, Planner
 from harness.master.program.frame import Frame
 from harness.master.program.link import Linker, Program
+from harness.master.program.straight import lay_out
 from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
@@ -194,6 +195,7 @@ class _Run:
         host.most_rows(most + self._spare, len(program.recorded))
         chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
         cycle = host.begin(program)
+        lay_out(program.code, program.instants, n_cycles - cycle)
         self.samples.skip(cycle)
         while cycle < n_cycles:
             chunk = min(chunk, n_cycles - cycle, host.cycles_until(cycle))

@@ -92,12 +92,12 @@ class Access:
         variables = [name for name in variables if not self._clocked(name)]
         for group in self._groups(variables, view):
             yield from self._rows("Get", group)
-            last = group.first + len(group.ends)
+            n = len(group.ends)
             if group.negated:
-                slots = range(group.first, last)
-                yield self.memory.copy(slots, slots, [group.negation] * len(slots))
+                slots = range(group.first, group.first + n)
+                yield self.memory.copy(slots, slots, [group.negation] * n)
             if group.kind in (FLOAT64, op.FLOAT32) and not self.allow_not_finite:
-                yield [op.CHECK, group.first, last]
+                yield [op.CHECK, group.first, n]
 
     def write(self, variables: Sequence[str]) -> Iterator[Row]:
         """Set variables to what is in their slots."""

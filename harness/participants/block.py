@@ -34,4 +34,4 @@ class BlockParticipant(Participant):
         arrays = self._parameters.ctypes.data, self.state.ctypes.data
         u, y = self.memory.address(self._u), self.memory.address(self._y)
         yield [op.CALL_5, *self._compiled.call(*arrays, u, y)]
-        yield [op.CHECK, self._y, self._y + len(self.component.outputs)]
+        yield [op.CHECK, self._y, len(self.component.outputs)]

@@ -152,7 +152,7 @@ class Memory:
         by = [op.EXACT] * len(sources) if conversions is None else conversions
         self._copies += zip(sources, targets, by, strict=True)
         self._scales += [(1.0, 0.0)] * len(sources) if scales is None else scales
-        return [op.COPY if scales is None else code, first, len(self._copies)]
+        return [op.COPY if scales is None else code, first, len(sources)]
 
     @property
     def copies(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -26,7 +26,7 @@ from harness.compiler.calls import (
     octets,
     reals,
 )
-from harness.compiler.machine_code import compiled
+from harness.compiler.machine_code import compiled, inlined
 from harness.compiler.operations import CYCLE, INSTANT, OPERATION, RESUMED, RETURNED, ROWS
 from harness.master.program.exchange import convert, decode, encode
 
@@ -53,7 +53,8 @@ def run_cycles(frame: int) -> int:
                 break
             clock[INSTANT] = now
             if straight != 0 and resumed == 0:
-                outcome = call_outcome(straight, (frame, first, now, now / ticks))
+                row = fixed(frame, op.PROGRAM) + 8 * op.WIDTH * first
+                outcome = call_outcome(straight, (first, row, frame, now, now / ticks))
             else:
                 first = first if resumed == 0 else clock[OPERATION]
                 outcome = by_table(frame, first, end, now, now / ticks)
@@ -66,37 +67,42 @@ def run_cycles(frame: int) -> int:
     return op.OK
 
 
-@compiled
+@inlined
 def by_table(frame: int, first: int, end: int, now: int, time: float) -> int:
     """Perform rows first..end-1 of the program at `now` (ticks), which is `time` (s)."""
     o = first
     while o < end:
-        row = integers(fixed(frame, op.PROGRAM) + 8 * op.WIDTH * o)
-        outcome = perform(row[0], o, frame, now, time)
+        row = fixed(frame, op.PROGRAM) + 8 * op.WIDTH * o
+        code, n = integers(row)[0], integers(row)[2]
+        outcome = perform(code, n, o, row, frame, now, time)
         if outcome == op.OK:
             o += 1
         elif outcome == op.LEAP:
-            o += row[2]
+            o += n
         else:
             return outcome
     return op.OK
 
 
-@compiled
-def perform(code: int, o: int, frame: int, now: int, time: float) -> int:
-    """Perform row `o`, whose opcode is `code`: OK, LEAP, or the outcome that ends the run."""
+@inlined
+def perform(code: int, n: int, o: int, row: int, frame: int, now: int, time: float) -> int:
+    """Perform row number `o`, at address `row`: OK, LEAP, or the outcome that ends the run.
+
+    `code` is its opcode and `n` its second operand; of operations that are done n times both are
+    constants in straight code.
+    """
     clock, v = integers(fixed(frame, op.CLOCK)), reals(fixed(frame, op.V))
-    r = integers(fixed(frame, op.PROGRAM) + 8 * op.WIDTH * o)
-    a, b, c, d, e, f = r[1], r[2], r[3], r[4], r[5], r[6]
+    r = integers(row)
+    a, b, c, d, e, f = r[1], n, r[3], r[4], r[5], r[6]
     clock[OPERATION] = o
     status = 0
     if code == op.COPY:
         copies = integers(fixed(frame, op.COPIES))
-        for i in range(a, b):
+        for i in range(a, a + n):
             v[copies[3 * i + 1]] = v[copies[3 * i]]
     elif code == op.SCALE:
         copies, scales = integers(fixed(frame, op.COPIES)), reals(fixed(frame, op.SCALES))
-        for i in range(a, b):
+        for i in range(a, a + n):
             v[copies[3 * i + 1]] = scales[2 * i] * v[copies[3 * i]] + scales[2 * i + 1]
     elif code == op.SAMPLE:
         samples, cursors = reals(fixed(frame, op.SAMPLES)), integers(fixed(frame, op.CURSORS))
@@ -119,18 +125,18 @@ def perform(code: int, o: int, frame: int, now: int, time: float) -> int:
         if now + c <= fixed(frame, op.STOP):
             status = call_status(a, (b, time, c / reals(frame)[op.TICKS], d))
     elif code == op.CHECK:
-        for slot in range(a, b):
+        for slot in range(a, a + n):
             if not math.isfinite(v[slot]):
                 return op.NOT_FINITE
     elif code == op.RECORD:
-        row, columns = clock[ROWS], fixed(frame, op.COLUMNS)
-        if row >= fixed(frame, op.N_ROWS):
+        done = clock[ROWS]
+        if done >= fixed(frame, op.N_ROWS):
             return op.FULL
         rows, recorded = reals(fixed(frame, op.ROWS_AT)), integers(fixed(frame, op.RECORDED))
-        for column in range(columns):
-            rows[row * columns + column] = v[recorded[column]]
-        reals(fixed(frame, op.TIMES))[row] = time
-        clock[ROWS] = row + 1
+        for column in range(n):
+            rows[done * n + column] = v[recorded[column]]
+        reals(fixed(frame, op.TIMES))[done] = time
+        clock[ROWS] = done + 1
     elif code == op.ENCODE:
         if not encode(a, v, b, c, octets(fixed(frame, op.EXCHANGE)), d):
             return op.OUT_OF_RANGE
@@ -138,7 +144,7 @@ def perform(code: int, o: int, frame: int, now: int, time: float) -> int:
         decode(a, v, b, c, octets(fixed(frame, op.EXCHANGE)), d)
     elif code == op.ADD:
         copies, scales = integers(fixed(frame, op.COPIES)), reals(fixed(frame, op.SCALES))
-        for i in range(a, b):
+        for i in range(a, a + n):
             v[copies[3 * i + 1]] += scales[2 * i] * v[copies[3 * i]] + scales[2 * i + 1]
     elif code == op.CALL_2:
         status = call_status(a, (b, c))
@@ -151,7 +157,7 @@ def perform(code: int, o: int, frame: int, now: int, time: float) -> int:
             return op.LEAP
     elif code == op.COPY_TYPED:
         copies, scales = integers(fixed(frame, op.COPIES)), reals(fixed(frame, op.SCALES))
-        if not convert(copies, scales, v, integers(fixed(frame, op.V)), a, b):
+        if not convert(copies, scales, v, integers(fixed(frame, op.V)), a, a + n):
             return op.OUT_OF_RANGE
     elif code == op.STEP_CALL:
         if now + c <= fixed(frame, op.STOP):

@@ -67,16 +67,16 @@ class Executor:
     def execute(self, now: int, stop: int, row: list[int]) -> int:
         code, *o = row
         if code == op.COPY:
-            for (source, target, _), _ in self.wires[o[0] : o[1]]:
+            for (source, target, _), _ in self.wires[o[0] : o[0] + o[1]]:
                 self.v[target : target + 1] = self.v[source : source + 1]
         elif code == op.SCALE:
-            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[0] + o[1]]:
                 self.v[target] = float(factor) * float(self.v[source]) + float(offset)
         elif code == op.ADD:
-            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[0] + o[1]]:
                 self.v[target] += float(factor) * float(self.v[source]) + float(offset)
         elif code == op.COPY_TYPED:
-            return self.copy_typed(o[0], o[1])
+            return self.copy_typed(o[0], o[0] + o[1])
         elif code == op.REPEAT:
             return op.NOT_CONVERGED if math.isnan(self.v[o[0]]) else op.OK
         elif code == op.CALL_2_AT:
@@ -89,7 +89,7 @@ class Executor:
         elif code in (op.STEP_FMI2, op.STEP_FMI3):
             return self.step(now, stop, code, o)
         elif code == op.CHECK:
-            return 0 if all(map(math.isfinite, self.v[o[0] : o[1]])) else op.NOT_FINITE
+            return 0 if all(map(math.isfinite, self.v[o[0] : o[0] + o[1]])) else op.NOT_FINITE
         elif code == op.RECORD:
             row_number = int(self.clock[2])
             self.times[row_number] = float(Fraction(now, 10**9))
