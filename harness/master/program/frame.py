@@ -52,20 +52,19 @@ class Frame:
     def run(self) -> int:
         """Run the loop; an outcome of `operations`."""
         cells = self._cells()
-        outcome: int = loop()(cells.ctypes.data)
-        return outcome
+        return loop()(cells.ctypes.data)
 
     def _cells(self) -> Integers:
         """The frame as the loop sees it."""
-        cells = np.zeros(op.FRAME_SIZE, dtype=np.int64)
+        cells = [0] * op.FRAME_SIZE
         for name, place in _PLACES:
             cells[place] = getattr(self, name).ctypes.data
         cells[op.N_INSTANTS], cells[op.N_ROWS] = len(self.instants), len(self.rows)
-        cells[op.UNTIL] = self.until
-        cells[op.START], cells[op.STOP] = self.start, self.stop
+        cells[op.START], cells[op.STOP], cells[op.UNTIL] = self.start, self.stop, self.until
         cells[op.CYCLE_NS] = self.cycle_ns
-        cells.view(np.float64)[op.TICKS] = self.ticks
-        return cells
+        made = np.array(cells, dtype=np.int64)
+        made.view(np.float64)[op.TICKS] = self.ticks
+        return made
 
 
 _PLACES = [
