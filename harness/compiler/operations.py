@@ -12,6 +12,8 @@ CALL_n       address, then n int64 arguments: int32 status = (*address)(…). Bl
              directional derivatives 7 and 9, get functions of an FMU's state 2
 SET_FMI2     as CALL_4, SET_FMI3 as CALL_5: a set function of an FMU, which reads the array at its
              fourth argument and leaves it as it is
+BLOCK        as CALL_5, then n_u and n_y: a block that changes none of its n_u inputs, and of all
+             slots only its n_y outputs
 STEP_FMI2    address, instance, step in ns, final
 STEP_FMI3    address, instance, step in ns, flags, last successful time, final: the flags are
              eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each. `final` is 1
@@ -70,8 +72,8 @@ WIDTH = 11
 (
     COPY, SAMPLE, CALL_4, CALL_5, CALL_7, CALL_9, STEP_FMI2, STEP_FMI3, CHECK, ENCODE, DECODE,
     RECORD, ADD, CALL_2, CALL_2_AT, REPEAT, UNLESS_STOP, COPY_TYPED, STEP_CALL, SKIP, SCALE,
-    SET_FMI2, SET_FMI3,
-) = range(23)  # fmt: skip
+    SET_FMI2, SET_FMI3, BLOCK,
+) = range(24)  # fmt: skip
 COUNTED = (COPY, SCALE, ADD, COPY_TYPED, CHECK, RECORD)
 """These are done as often as their second operand says."""
 LEAPING = (REPEAT, SKIP, UNLESS_STOP)

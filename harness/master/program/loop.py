@@ -110,7 +110,7 @@ def perform(code: int, n: int, o: int, row: int, frame: int, now: int, time: flo
         cursors[a] += 1
     elif code == op.CALL_4 or code == op.SET_FMI2:
         status = call_status(a, (b, c, d, e))
-    elif code == op.CALL_5 or code == op.SET_FMI3:
+    elif code == op.CALL_5 or code == op.SET_FMI3 or code == op.BLOCK:
         status = call_status(a, (b, c, d, e, f))
     elif code == op.STEP_FMI3:
         if now + c <= fixed(frame, op.STOP):

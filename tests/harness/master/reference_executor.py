@@ -16,7 +16,7 @@ FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16:
            op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
            op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
 ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9,
-             op.SET_FMI2: 4, op.SET_FMI3: 5}  # fmt: skip
+             op.SET_FMI2: 4, op.SET_FMI3: 5, op.BLOCK: 5}  # fmt: skip
 SIDES = {op.EXACT: ("d", "d"), op.FROM_INT64: ("q", "d"), op.FROM_UINT64: ("Q", "d"),
          op.TO_INT64: ("d", "q"), op.TO_UINT64: ("d", "Q"), op.INT64_TO_UINT64: ("q", "Q"),
          op.UINT64_TO_INT64: ("Q", "q"), op.ROUND: ("d", "d"), op.TRUTH: ("d", "d"),
