@@ -19,24 +19,30 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-def _call_status(typingctx: Any, address: Any, arguments: Any) -> Any:
-    kinds = list(arguments)
-    if not all(kind in (types.int64, types.float64) for kind in kinds):
-        raise TypeError(f"call_status takes int64 and float64 arguments, not {kinds}")
-    signature = types.int32(types.int64, arguments)
+def _calling(bits: int, returned: Any) -> Any:
+    """A call of a function that returns an integer of so many bits."""
 
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        target, packed = args
-        values = cgutils.unpack_tuple(builder, packed, len(kinds))
-        function_type = ir.FunctionType(ir.IntType(32), [value.type for value in values])
-        pointer = builder.inttoptr(target, ir.PointerType(function_type))
-        return builder.call(pointer, values)
+    @intrinsic  # type: ignore[untyped-decorator]
+    def call(typingctx: Any, address: Any, arguments: Any) -> Any:
+        kinds = list(arguments)
+        if not all(kind in (types.int64, types.float64) for kind in kinds):
+            raise TypeError(f"arguments are int64 and float64, not {kinds}")
 
-    return signature, generate
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            target, packed = args
+            values = cgutils.unpack_tuple(builder, packed, len(kinds))
+            kind = ir.FunctionType(ir.IntType(bits), [value.type for value in values])
+            return builder.call(builder.inttoptr(target, ir.PointerType(kind)), values)
+
+        return returned(types.int64, arguments), generate
+
+    return call
 
 
-call_status: Callable[[int, tuple[int | float, ...]], int] = intrinsic(_call_status)
+call_status: Callable[[int, tuple[int | float, ...]], int] = _calling(32, types.int32)
 """`int32 status = (*address)(*arguments)`; arguments is a tuple of int64 and float64."""
+call_outcome: Callable[[int, tuple[int | float, ...]], int] = _calling(64, types.int64)
+"""The same of a function that returns an int64."""
 
 
 def _load(kind: Any, numba_type: Any) -> Any:
@@ -70,3 +76,38 @@ load_float64: Callable[[int], float] = _load(ir.DoubleType(), types.float64)
 store_int64: Callable[[int, int], None] = _store(ir.IntType(64), types.int64)
 store_float64: Callable[[int, float], None] = _store(ir.DoubleType(), types.float64)
 """Write to an address."""
+
+
+def _array(kind: Any) -> Any:
+    @intrinsic  # type: ignore[untyped-decorator]
+    def array(typingctx: Any, address: Any) -> Any:
+        pointer = types.CPointer(kind)
+
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return builder.inttoptr(args[0], context.get_value_type(pointer))
+
+        return pointer(types.int64), generate
+
+    return array
+
+
+reals: Callable[[int], Any] = _array(types.float64)
+integers: Callable[[int], Any] = _array(types.int64)
+octets: Callable[[int], Any] = _array(types.uint8)
+"""The array at an address, which is indexed as in C: from 0, without a look at its end."""
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _fixed(typingctx: Any, address: Any, place: Any) -> Any:
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        start = builder.inttoptr(args[0], ir.PointerType(ir.IntType(64)))
+        cell = builder.load(builder.gep(start, [args[1]]))
+        cell.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return cell
+
+    return types.int64(types.int64, types.int64), generate
+
+
+fixed: Callable[[int, int], int] = _fixed
+"""Element `place` of the int64 array at an address, which nothing changes while compiled code runs:
+it may be read once and kept."""

@@ -24,6 +24,7 @@ from types import FunctionType
 from typing import Any, Self, TypeVar
 
 from numba import njit
+from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
@@ -51,6 +52,25 @@ def compiled(function: F) -> F:
     made: Any = njit(nogil=True, error_model="numpy")(function)
     made._cache = _Cache(function)
     return made  # type: ignore[no-any-return]
+
+
+def inlined(function: F) -> F:
+    """A function that becomes part of the compiled functions that call it."""
+    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return njit(error_model="numpy", forceinline=True, **bare)(function)  # type: ignore[no-any-return]
+
+
+@contextmanager
+def settings(**chosen: Any) -> Iterator[None]:
+    """While open, numba compiles with these of its settings (`numba.core.config`)."""
+    before = {name: getattr(config, name) for name in chosen}
+    for name, value in chosen.items():
+        setattr(config, name, value)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(config, name, value)
 
 
 def cached_callback(function: Callable[..., Any], signature: Any, **options: Any) -> Any:
@@ -91,7 +111,7 @@ _COMPILED = ("compiler", "participants", "participants/model_exchange", "master/
 
 
 @cache
-def _stamp() -> str:
+def stamp() -> str:
     """Changes with every module from which compiled functions take something."""
     found = hashlib.sha256()
     for room in _COMPILED:
@@ -157,7 +177,7 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         super().__init__(function)
         self._function = function
         if Path(function.__code__.co_filename).is_relative_to(_HOUSE):
-            self._cache_file._source_stamp = self._cache_file._source_stamp, _stamp()
+            self._cache_file._source_stamp = self._cache_file._source_stamp, stamp()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What is kept, or None; pickled code that is damaged can raise anything, and goes."""

@@ -3,33 +3,37 @@
 A program is an int64 array of shape (n, WIDTH): column 0 is the opcode, the others are operands.
 `loop.run_cycles` executes it compiled; the tests execute it in plain Python.
 
-COPY         first, last: for i in [first, last):
+COPY         first, n: for i in [first, first + n): v[destination[i]] = v[source[i]]
+SCALE        first, n: for i in [first, first + n):
              v[destination[i]] = factor[i] * v[source[i]] + offset[i]
 SAMPLE       signal, slot: v[slot] = next prepared sample of that signal
 CALL_n       address, then n int64 arguments: int32 status = (*address)(…). Blocks take 5 (p, x, u,
              y, sizes) and plain Python ones 4, get and set functions 4 in FMI 2 and 5 in FMI 3,
              directional derivatives 7 and 9, get functions of an FMU's state 2
+SET_FMI2     as CALL_4, SET_FMI3 as CALL_5: a set function of an FMU, which reads the array at its
+             fourth argument and leaves it as it is
+BLOCK        as CALL_5, then n_u and n_y: a block that changes none of its n_u inputs, and of all
+             slots only its n_y outputs
 STEP_FMI2    address, instance, step in ns, final
-STEP_FMI3    address, instance, step in ns, flags, last successful time, byte offset of the flags,
-             final: the flags are eventHandlingNeeded, terminateSimulation and earlyReturn, a byte
-             each in the exchange buffer. `final` is 1 where the state before the step will not be
-             asked for again, else 0
-CHECK        first slot, last slot: the run ends where one of them is NaN or infinite
+STEP_FMI3    address, instance, step in ns, flags, last successful time, final: the flags are
+             eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each. `final` is 1
+             where the state before the step will not be asked for again, else 0
+CHECK        first slot, n: the run ends where one of n slots is NaN or infinite
 ENCODE       kind, first slot, last slot, byte offset: float64 slots to C integers in the buffer;
              the run ends where a number does not fit
 DECODE       the same operands: from C integers in the buffer
-RECORD       no operands: append the recorded slots as a row
-ADD          as COPY, added to what is there
+RECORD       0, n: append the n recorded slots as a row
+ADD          as SCALE, added to what is there
 CALL_2_AT    address, int64 argument, place: the second argument is the int64 at address `place`
-REPEAT       slot, rows: go back by that many rows while v[slot] is not zero; the run ends where it
-             is NaN
-UNLESS_STOP  no operands: at the stop time the instant ends here
-COPY_TYPED   first, last: as COPY, each by its conversion (third column of copies); the run ends
+REPEAT       slot, rows: leap by that many rows (back) while v[slot] is not zero; the run ends where
+             it is NaN
+UNLESS_STOP  0, `TO_THE_END`: at the stop time the instant ends here
+COPY_TYPED   first, n: as SCALE, each by its conversion (third column of copies); the run ends
              where a number does not fit
 STEP_CALL    address, context, step in ticks, first slot, last slot: status = (*address)(context,
              time, end of the step), both times in s, for what no single function of an FMU does;
              statuses from `ASKED` on are outcomes
-SKIP         place, rows: leave out that many rows where the int64 at address `place` is 0
+SKIP         place, rows: leap by that many rows where the int64 at address `place` is 0
 
 What a program comes to:
 
@@ -52,12 +56,33 @@ CLOCK_SIZE = 6
 UNTOUCHED = -1.7976931348623157e308
 """What stands in place of the last successful time until an FMU has written it."""
 
+(
+    PROGRAM, INSTANTS, N_INSTANTS, START, STOP, CYCLE_NS, TICKS, UNTIL, CLOCK, V, COPIES, SCALES,
+    SAMPLES, CURSORS, EXCHANGE, RECORDED, ROWS_AT, N_ROWS, TIMES,
+) = range(19)  # fmt: skip
+"""Cells of a frame (`harness.master.program.frame`), int64 each: addresses of arrays, lengths of
+some, and times in ticks; TICKS is a float64, the number of ticks in a second."""
+FRAME_SIZE = 19
+
+INSTANT_WIDTH = 4
+"""Columns of an instant: its offset in the cycle in ticks, its first row and that after its last
+one, and the address of its straight code, 0 where there is none."""
+
 WIDTH = 11
 (
     COPY, SAMPLE, CALL_4, CALL_5, CALL_7, CALL_9, STEP_FMI2, STEP_FMI3, CHECK, ENCODE, DECODE,
-    RECORD, ADD, CALL_2, CALL_2_AT, REPEAT, UNLESS_STOP, COPY_TYPED, STEP_CALL, SKIP,
-) = range(20)  # fmt: skip
+    RECORD, ADD, CALL_2, CALL_2_AT, REPEAT, UNLESS_STOP, COPY_TYPED, STEP_CALL, SKIP, SCALE,
+    SET_FMI2, SET_FMI3, BLOCK,
+) = range(24)  # fmt: skip
+COUNTED = (COPY, SCALE, ADD, COPY_TYPED, CHECK, RECORD)
+"""These are done as often as their second operand says."""
+LEAPING = (REPEAT, SKIP, UNLESS_STOP)
+"""After these the next row may be another one: that by their second operand further on."""
+TO_THE_END = 2**32
+"""A leap that ends the instant."""
 OK, STATUS, NOT_FINITE, TERMINATED, EARLY, OUT_OF_RANGE, NOT_CONVERGED, FULL = range(8)
+LEAP = -1
+"""What an operation comes to after which the next row is another one."""
 
 ASKED = 64
 """What a called participant adds to an outcome, to tell it from a status of FMI."""

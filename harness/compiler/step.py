@@ -51,11 +51,13 @@ class CompileError(HarnessError):
 @dataclass(frozen=True, eq=False)
 class CompiledStep:
     """A compiled step function for one block: the `address` of its C function, the `sizes` that
-    it takes, (4,) for p, x, u, y; and the code itself, which lives as long as this."""
+    it takes, (4,) for p, x, u, y; the code itself, which lives as long as this; and whether it is
+    certain that it leaves u as it is."""
 
     address: int
     sizes: NDArray[np.int64]
     code: Any
+    leaves_inputs: bool
 
     def call(self, p: int, x: int, u: int, y: int) -> list[int]:
         """Its address and its arguments, for the arrays at these addresses."""
@@ -83,7 +85,8 @@ def compile_step(block: Block) -> CompiledStep:
     if name not in _compiled:
         _compiled[name] = _compile(_plain(block.step), name)
     code = _compiled[name]
-    return CompiledStep(code.address, np.array(sizes(block), dtype=np.int64), code)
+    array = np.array(sizes(block), dtype=np.int64)
+    return CompiledStep(code.address, array, code, _only_reads(_plain(block.step).__code__, 2))
 
 
 def sizes(block: Block) -> tuple[int, ...]:
@@ -159,6 +162,18 @@ def _read(code: CodeType) -> _CodeFacts:
     _feed(digest, code)
     raises = any(one.opname == "RAISE_VARARGS" for one in dis.get_instructions(code))
     return _CodeFacts(tuple(dict.fromkeys(names(code))), raises, digest.digest())
+
+
+@cache
+def _only_reads(code: CodeType, place: int) -> bool:
+    """Whether a function does nothing with that argument but `argument[constant]`, to read it."""
+    name, found = code.co_varnames[place], list(dis.get_instructions(code))
+    for i, one in enumerate(found):
+        if one.argval == name or (isinstance(one.argval, tuple) and name in one.argval):
+            use = [each.opname for each in found[i : i + 3]]
+            if use != ["LOAD_FAST", "LOAD_CONST", "BINARY_SUBSCR"]:
+                return False
+    return True
 
 
 def _fingerprint(

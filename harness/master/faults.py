@@ -105,7 +105,7 @@ def _not_converged(program: Program, when: str) -> str:
 
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
-    slot = next(s for s in range(row[1], row[2]) if not np.isfinite(program.v[s]))
+    slot = next(s for s in range(row[1], row[1] + row[2]) if not np.isfinite(program.v[s]))
     port = next((end for end, place in program.memory.layout.places() if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
 
@@ -134,8 +134,8 @@ def _converted(program: Program, row: NDArray[np.int64]) -> tuple[int, float]:
     """The slot into which something was not to be converted, and what that was."""
     v, copies, scales = program.v.copy(), program.copies, program.scales
     i = next(
-        i for i in range(int(row[1]), int(row[2]))
-        if not convert(copies, scales, v, v.view(np.int64), i, i + 1)
+        i for i in range(int(row[1]), int(row[1] + row[2]))
+        if not convert(copies.ravel(), scales.ravel(), v, v.view(np.int64), i, i + 1)
     )  # fmt: skip
     source = int(copies[i, 0])
     whole = copies[i, 2] in (op.FROM_INT64, op.INT64_TO_UINT64)

@@ -18,7 +18,8 @@ from harness.participants.fmu import Told
 if TYPE_CHECKING:
     from harness.master.program.link import Program
 
-_CHUNK_ROWS = 16384
+_CHUNK_BYTES = 2**21  # the cache that a core has for itself
+_FEWEST, _MOST = 1024, 65536  # rows
 
 Times = NDArray[np.float64]
 Rows = NDArray[np.float64]
@@ -36,7 +37,7 @@ class Host:
 
     def chunk_rows(self, columns: int) -> int:
         """How many rows a chunk may have, where a cycle has no more."""
-        return _CHUNK_ROWS
+        return max(_FEWEST, min(_MOST, _CHUNK_BYTES // (8 * (1 + columns))))
 
     def room(self, rows: int, columns: int) -> tuple[Times, Rows]:
         """Memory for the next chunk: times (s) and rows, at least `rows` of them.

@@ -31,8 +31,9 @@ from harness.master.growth import CouplingGrowth
 from harness.master.host import Host
 from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan, Planner
+from harness.master.program.frame import Frame
 from harness.master.program.link import Linker, Program
-from harness.master.program.loop import run_cycles
+from harness.master.program.straight import lay_out
 from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
 from harness.participants.kinds import sampled
@@ -194,6 +195,7 @@ class _Run:
         host.most_rows(most + self._spare, len(program.recorded))
         chunk = min(_FIRST_CHUNK, most // rows_per_cycle)
         cycle = host.begin(program)
+        lay_out(program.code, program.instants, n_cycles - cycle)
         self.samples.skip(cycle)
         while cycle < n_cycles:
             chunk = min(chunk, n_cycles - cycle, host.cycles_until(cycle))
@@ -258,13 +260,11 @@ class _Run:
     ) -> int:  # fmt: skip
         """Run `instants` to cycle `until`; the outcome."""
         p, system, samples = self.program, self.system, self.samples
-        span = system.start_ns, system.stop_ns, p.plan.cycle_ns, until, system.ticks_per_second
-        outcome: int = run_cycles(
-            p.code, instants, np.array(span, dtype=np.int64), clock, p.v, p.copies, p.scales,
-            samples.values, samples.cursors, p.memory.exchange,
-            p.recorded if recorded is None else recorded, rows, times,
-        )  # fmt: skip
-        return outcome
+        return Frame(
+            p.code, instants, clock, p.v, p.copies, p.scales, samples.values, samples.cursors,
+            p.memory.exchange, p.recorded if recorded is None else recorded, rows, times,
+            system.start_ns, system.stop_ns, p.plan.cycle_ns, system.ticks_per_second, until,
+        ).run()  # fmt: skip
 
     def _check(self, outcome: int) -> None:
         """Raise what an outcome other than OK means."""

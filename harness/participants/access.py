@@ -92,12 +92,12 @@ class Access:
         variables = [name for name in variables if not self._clocked(name)]
         for group in self._groups(variables, view):
             yield from self._rows("Get", group)
-            last = group.first + len(group.ends)
+            n = len(group.ends)
             if group.negated:
-                slots = range(group.first, last)
-                yield self.memory.copy(slots, slots, [group.negation] * len(slots))
+                slots = range(group.first, group.first + n)
+                yield self.memory.copy(slots, slots, [group.negation] * n)
             if group.kind in (FLOAT64, op.FLOAT32) and not self.allow_not_finite:
-                yield [op.CHECK, group.first, last]
+                yield [op.CHECK, group.first, n]
 
     def write(self, variables: Sequence[str]) -> Iterator[Row]:
         """Set variables to what is in their slots."""
@@ -155,7 +155,8 @@ class Access:
         if encoded and verb == "Set":
             yield [op.ENCODE, *code]
         sized = instance.prefix == "fmi3" and group.suffix != "Clock"
-        yield [op.CALL_5, *call, n] if sized else [op.CALL_4, *call]
+        codes = (op.SET_FMI2, op.SET_FMI3) if verb == "Set" else (op.CALL_4, op.CALL_5)
+        yield [codes[1], *call, n] if sized else [codes[0], *call]
         if encoded and verb == "Get":
             yield [op.DECODE, *code]
 

@@ -33,5 +33,7 @@ class BlockParticipant(Participant):
         """Step, and look whether what comes out is finite."""
         arrays = self._parameters.ctypes.data, self.state.ctypes.data
         u, y = self.memory.address(self._u), self.memory.address(self._y)
-        yield [op.CALL_5, *self._compiled.call(*arrays, u, y)]
-        yield [op.CHECK, self._y, self._y + len(self.component.outputs)]
+        n = len(self.component.inputs), len(self.component.outputs)
+        code = op.BLOCK if self._compiled.leaves_inputs else op.CALL_5
+        yield [code, *self._compiled.call(*arrays, u, y), *n]
+        yield [op.CHECK, self._y, n[1]]

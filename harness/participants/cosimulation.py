@@ -101,7 +101,7 @@ class CoSimulation(DrivenParticipant):
         yield self.calling(self._begin_write)
         for names, flag in zip(rest, (0, 8), strict=True):
             rows = list(super().write(names))
-            yield [op.SKIP, int(self._flags.ctypes.data) + flag, len(rows)]
+            yield [op.SKIP, int(self._flags.ctypes.data) + flag, 1 + len(rows)]
             yield from rows
 
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
@@ -115,9 +115,9 @@ class CoSimulation(DrivenParticipant):
             last = 1 if self.instance.prefix == "fmi" else int(final)
             yield [op.STEP_FMI2, *head, last]
             return
-        start, flags = self.memory.reserve(8)
+        flags = self.memory.held(np.zeros(3, dtype=np.uint8))
         last_time = self.memory.held(np.full(1, op.UNTOUCHED))
-        yield [op.STEP_FMI3, *head, flags, last_time, start, int(final)]
+        yield [op.STEP_FMI3, *head, flags, last_time, int(final)]
 
     def save(self) -> Iterator[Row]:
         """Get the FMU state; plain co-simulation has nothing besides."""

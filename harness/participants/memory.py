@@ -141,10 +141,10 @@ class Memory:
         sources: Sequence[int],
         targets: Sequence[int],
         scales: Sequence[tuple[float, float]] | None = None,
-        code: int = op.COPY,
+        code: int = op.SCALE,
         conversions: Sequence[int] | None = None,
     ) -> Row:
-        """Copy (or add) slots to slots, by (factor, offset) where they are not (1, 0).
+        """Copy (or add) slots to slots, by (factor, offset); without scales as they are.
 
         What is copied at once is a stretch of one table, and one operation.
         """
@@ -152,7 +152,7 @@ class Memory:
         by = [op.EXACT] * len(sources) if conversions is None else conversions
         self._copies += zip(sources, targets, by, strict=True)
         self._scales += [(1.0, 0.0)] * len(sources) if scales is None else scales
-        return [code, first, len(self._copies)]
+        return [op.COPY if scales is None else code, first, len(sources)]
 
     @property
     def copies(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -44,9 +44,9 @@ class PythonParticipant(Participant):
         yield [op.CALL_4, self.memory.function(self._wrap()), 0, 0, 0, 0]
         reals = [slot for slot, cell in self._outputs if cell == "real"]
         if reals and len(reals) == len(self._outputs):
-            yield [op.CHECK, reals[0], reals[-1] + 1]
+            yield [op.CHECK, reals[0], len(reals)]
         else:
-            yield from ([op.CHECK, slot, slot + 1] for slot in reals)
+            yield from ([op.CHECK, slot, 1] for slot in reals)
 
     def _wrap(self) -> Callable[[], int]:
         """What C calls as `int32 f(void)`."""

@@ -17,7 +17,7 @@ from harness.compiler import operations as op
 from harness.compiler.step import compile_step
 from harness.errors import HarnessError
 from harness.fmi.binding.interface import MODEL_EXCHANGE
-from harness.master.program.loop import run_cycles
+from harness.master.program.frame import Frame
 from harness.participants.kinds import load_kernels
 from harness.results.manifest import software_versions
 from harness.system.graph import BlockComponent, System
@@ -41,10 +41,8 @@ def warm_up(system: System) -> None:
 @cache
 def _load_loop() -> None:
     """By a call that has nothing to do."""
-    whole, real = np.zeros(1, dtype=np.int64), np.zeros(1)
-    run_cycles(
-        np.zeros((0, op.WIDTH), dtype=np.int64), np.zeros((0, 3), dtype=np.int64),
-        np.zeros(5, dtype=np.int64), np.zeros(op.CLOCK_SIZE, dtype=np.int64), real,
-        np.zeros((0, 3), dtype=np.int64), np.zeros((0, 2)), real, whole,
-        np.zeros(8, dtype=np.uint8), whole, np.zeros((0, 1)), real,
-    )  # fmt: skip
+    none, whole, real = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1)
+    clock, octets = np.zeros(op.CLOCK_SIZE, dtype=np.int64), np.zeros(8, dtype=np.uint8)
+    Frame(
+        none, none, clock, real, none, real, real, whole, octets, none, real, real, 0, 0, 1, 1, 0
+    ).run()

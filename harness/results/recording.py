@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from harness.errors import RecordingError
 from harness.results.atomic import ANOTHER_FOLDER, writing
+from harness.results.blocks import Blocks
 from harness.results.columns import Column, arrow_array, check_columns, schema_of, values_of
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
@@ -77,7 +78,7 @@ class Recording:
             manifest or Manifest(), columns=self.columns, status=RunStatus(RUNNING)
         )
         self._begun = clock.perf_counter()
-        self._chunks: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+        self._blocks = Blocks(len(self.columns))
         self._texts: list[str | bytes] = []
         self._last: float | None = None
         self._file: Any = None
@@ -155,7 +156,7 @@ class Recording:
             return
         self._check_order(times)
         if self.folder is None:
-            self._chunks.append((times.copy(), rows.copy()))
+            self._blocks.append(times, rows)
         else:
             if self._stream is None:
                 raise RecordingError(f"cannot write rows into {self.folder}, as before")
@@ -163,13 +164,15 @@ class Recording:
         self._last = float(times[-1])
 
     def _check_order(self, times: NDArray[np.float64]) -> None:
-        every = np.append(-np.inf if self._last is None else self._last, times)
-        late = np.flatnonzero(~(every[1:] >= every[:-1]))  # NaN too
-        if late.size:
-            before, time = every[late[0] : late[0] + 2]
-            raise RecordingError(
-                f"rows were recorded back in time: {time:.17g} s after {before:.17g} s"
-            )
+        last = -np.inf if self._last is None else self._last
+        if times[0] >= last and (times[1:] >= times[:-1]).all():  # NaN is neither
+            return
+        every = np.append(last, times)
+        late = np.flatnonzero(~(every[1:] >= every[:-1]))
+        before, time = every[late[0] : late[0] + 2]
+        raise RecordingError(
+            f"rows were recorded back in time: {time:.17g} s after {before:.17g} s"
+        )
 
     def _write(self, times: NDArray[np.float64], rows: NDArray[np.float64]) -> None:
         import pyarrow as pa
@@ -215,9 +218,7 @@ class Recording:
         wall_time = clock.perf_counter() - self._begun
         self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
         if self.folder is None:
-            time = np.concatenate([np.empty(0), *(times for times, _ in self._chunks)])
-            none = np.empty((0, len(self.columns)))
-            rows = np.concatenate([none, *(rows for _, rows in self._chunks)])
+            time, rows = self._blocks.all()
             return Result.of(self.columns, time, self._values(rows), self._manifest)
         with self._lock:
             stream, self._stream = self._stream, None

@@ -25,6 +25,7 @@ Stored = Callable[[Endpoint], int]
 def transfer(memory: Memory, action: Transfer, stored: Stored) -> Iterator[Row]:
     """Copy along wires."""
     plain: list[Wire] = []
+    scaled: list[Wire] = []
     typed: list[tuple[Wire, int]] = []
     how: int
     for wire in action.wires:
@@ -32,13 +33,15 @@ def transfer(memory: Memory, action: Transfer, stored: Stored) -> Iterator[Row]:
         if cells == ("real", "real"):
             how = stored(wire.target)
             if how == op.EXACT:
-                plain.append(wire)
+                (plain if (wire.factor, wire.offset) == (1.0, 0.0) else scaled).append(wire)
                 continue
         else:
             how = _CONVERSIONS.get(cells, op.EXACT)
         typed.append((wire, how))
     if plain:
-        yield memory.copy(*_ends(memory, action, plain), _scales(plain))
+        yield memory.copy(*_ends(memory, action, plain))
+    if scaled:
+        yield memory.copy(*_ends(memory, action, scaled), _scales(scaled))
     if typed:
         wires = [wire for wire, _ in typed]
         conversions = [conversion for _, conversion in typed]

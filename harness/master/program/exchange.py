@@ -82,11 +82,11 @@ def decode(kind: int, v: Any, first: int, last: int, exchange: Any, start: int) 
 
 @compiled
 def convert(copies: Any, scales: Any, v: Any, wide: Any, first: int, last: int) -> bool:
-    """Copy entries first..last-1 of the table, each by its conversion; `wide` are the cells of `v`
-    as int64. False where a number does not fit: it is the first whose target was left alone."""
+    """Copy entries first..last-1 of the flat table, each by its conversion; `wide` are the cells of
+    `v` as int64. False where a number does not fit: it is the first whose target was left alone."""
     for i in range(first, last):
-        source, target, how = copies[i, 0], copies[i, 1], copies[i, 2]
-        factor, offset = scales[i, 0], scales[i, 1]
+        source, target, how = copies[3 * i], copies[3 * i + 1], copies[3 * i + 2]
+        factor, offset = scales[2 * i], scales[2 * i + 1]
         plain = factor == 1.0 and offset == 0.0
         bits = wide[source]
         if how == op.EXACT and plain:

@@ -25,7 +25,6 @@ from harness.master.plan.actions import (
     Read,
     Record,
     Slope,
-    Step,
     Transfer,
     UnlessStop,
     Write,
@@ -35,6 +34,7 @@ from harness.master.plan.planner import Plan
 from harness.master.program.copying import keep, transfer, weigh
 from harness.master.program.iteration import Iteration
 from harness.master.program.layout import make_layout
+from harness.master.program.shortcuts import shorten
 from harness.master.program.start_values import start_values
 from harness.participants.access import scalar_ports
 from harness.participants.block import BlockParticipant
@@ -123,8 +123,8 @@ class Linker:
         plan, memory = self.plan, self.memory
         for participant in self.participants.values():
             participant.link(memory, self.participants)
-        for end, value in start_values(plan, self.descriptions).items():
-            memory.store(end, _fitting(value, memory.cell(end)))
+        for port, value in start_values(plan, self.descriptions).items():
+            memory.store(port, _fitting(value, memory.cell(port)))
         rows: list[tuple[Row, Action]] = []
         spans: dict[int, tuple[int, int]] = {}
         tail = [instant.actions for instant in plan.tail]
@@ -136,10 +136,13 @@ class Linker:
         code = np.zeros((len(rows), op.WIDTH), dtype=np.int64)
         for i, (row, _) in enumerate(rows):
             code[i, : len(row)] = row
+        copies, scales = memory.copies
+        for begin, end in spans.values():
+            shorten(memory, code[begin:end], copies)
 
         def table(instants: Iterable[Instant]) -> NDArray[np.int64]:
-            found = [(instant.offset_ns, *spans[id(instant.actions)]) for instant in instants]
-            return np.array(found, dtype=np.int64).reshape(-1, 3)
+            found = [(instant.offset_ns, *spans[id(instant.actions)], 0) for instant in instants]
+            return np.array(found, dtype=np.int64).reshape(-1, op.INSTANT_WIDTH)
 
         events = {
             name: (table([Instant(0, actions)]), self._row_slots(actions))
@@ -148,7 +151,7 @@ class Linker:
         return Program(
             plan, memory, self.participants, code, [owner for _, owner in rows],
             self._row_slots(()), table([Instant(0, plan.initial)]), table(plan.instants),
-            table(plan.tail), events, *memory.copies, self.iterations,
+            table(plan.tail), events, copies, scales, self.iterations,
         )  # fmt: skip
 
     def _row_slots(self, actions: Iterable[Action]) -> NDArray[np.int64]:
@@ -180,9 +183,9 @@ class Linker:
             case Keep():
                 return [keep(self.memory, action)]
             case Record():
-                return [[op.RECORD]]
+                return [[op.RECORD, 0, len(self.plan.recorded)]]
             case UnlessStop():
-                return [[op.UNLESS_STOP]]
+                return [[op.UNLESS_STOP, 0, op.TO_THE_END]]
             case ParticipantAction():
                 return action.rows(self.participants[action.component])
         raise AssertionError(f"{action} has no rows")
@@ -207,7 +210,7 @@ class Linker:
         yield from body
         yield memory.copy(outputs, iteration.found, scales), action
         yield iteration.solve(memory.address(0)), action
-        yield [op.REPEAT, iteration.first, len(body) + 3], action
+        yield [op.REPEAT, iteration.first, -(len(body) + 3)], action
 
     def _stored(self, end: Endpoint) -> int:
         """How an FMU's input holds a real: rows show what it was given."""
@@ -224,8 +227,6 @@ class Linker:
         match action:
             case Read() | Write():
                 return len(scalar_ports(action.ends, self.descriptions))
-            case Step():
-                return 1
         return 0
 
     def _negated(self, action: Action) -> int:

@@ -151,7 +151,7 @@ class ModelExchange(DrivenParticipant):
         writing = [self.context.address, len(slots), places, last, 0]
         place = self.memory.held(np.array(writing, dtype=np.int64))
         yield [op.CALL_2, self._begin_write.address, place, 0]
-        yield [op.SKIP, place + 32, len(rows)]
+        yield [op.SKIP, place + 32, 1 + len(rows)]
         yield from rows
 
     def _trigger(self) -> None:

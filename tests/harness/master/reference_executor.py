@@ -1,4 +1,4 @@
-"""`loop.run_cycles` in plain Python, written from the meaning of the operations.
+"""The loop in plain Python, written from the meaning of the operations.
 
 Floats are Python floats, addresses are called through ctypes, C integers are packed by `struct`.
 """
@@ -10,11 +10,13 @@ from fractions import Fraction
 from typing import Any
 
 from harness.compiler import operations as op
+from harness.master.program.frame import Frame
 
 FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16: "H",
            op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
            op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
-ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9}
+ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9,
+             op.SET_FMI2: 4, op.SET_FMI3: 5, op.BLOCK: 5}  # fmt: skip
 SIDES = {op.EXACT: ("d", "d"), op.FROM_INT64: ("q", "d"), op.FROM_UINT64: ("Q", "d"),
          op.TO_INT64: ("d", "q"), op.TO_UINT64: ("d", "Q"), op.INT64_TO_UINT64: ("q", "Q"),
          op.UINT64_TO_INT64: ("Q", "q"), op.ROUND: ("d", "d"), op.TRUTH: ("d", "d"),
@@ -28,47 +30,53 @@ def call(address: int, *arguments: Any) -> int:
 
 
 class Executor:
-    """Executes a program; the arguments are those of `run_cycles`."""
+    """Executes the program of a frame."""
 
-    def __init__(self, clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times):  # type: ignore[no-untyped-def]
-        self.clock, self.v, self.wires = clock, v, list(zip(copies, scales, strict=True))
-        self.samples, self.cursors, self.exchange = samples, cursors, exchange
-        self.recorded, self.rows, self.times = recorded, rows, times
+    def __init__(self, frame: Frame) -> None:
+        self.clock, self.v = frame.clock, frame.v
+        self.wires = list(zip(frame.copies, frame.scales, strict=True))
+        self.samples, self.cursors, self.exchange = frame.samples, frame.cursors, frame.exchange
+        self.recorded, self.rows, self.times = frame.recorded, frame.rows, frame.times
 
-    def run(self, program: Any, instants: Any, span: Any) -> int:
-        start, stop, cycle_ns, last, _ = (int(x) for x in span)
-        while self.clock[0] < last:
-            for offset, first, end in instants.tolist():
-                now = start + int(self.clock[0]) * cycle_ns + offset
-                if now > stop:
+    def run(self, frame: Frame) -> int:
+        while self.clock[0] < frame.until:
+            for offset, first, end, _ in frame.instants.tolist():
+                now = frame.start + int(self.clock[0]) * frame.cycle_ns + offset
+                if now > frame.stop:
                     continue
                 self.clock[1] = now
                 index = first
                 while index < end:
                     self.clock[3] = index
-                    code, *o = (int(x) for x in program[index])
-                    if code == op.UNLESS_STOP and now >= stop:
-                        break
-                    if code == op.REPEAT and self.v[o[0]] != 0 and not math.isnan(self.v[o[0]]):
-                        index -= o[1]
+                    code, *o = (int(x) for x in frame.program[index])
+                    if self.leaps(code, o[0], now, frame.stop):
+                        index += o[1]
                         continue
-                    outcome = self.execute(now, stop, [code, *o])
+                    outcome = self.execute(now, frame.stop, [code, *o])
                     if outcome:
                         return outcome
                     index += 1
             self.clock[0] += 1
         return op.OK
 
+    def leaps(self, code: int, operand: int, now: int, stop: int) -> bool:
+        if code == op.REPEAT:
+            return bool(self.v[operand] != 0 and not math.isnan(self.v[operand]))
+        return code == op.UNLESS_STOP and now >= stop
+
     def execute(self, now: int, stop: int, row: list[int]) -> int:
         code, *o = row
         if code == op.COPY:
-            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), _ in self.wires[o[0] : o[0] + o[1]]:
+                self.v[target : target + 1] = self.v[source : source + 1]
+        elif code == op.SCALE:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[0] + o[1]]:
                 self.v[target] = float(factor) * float(self.v[source]) + float(offset)
         elif code == op.ADD:
-            for (source, target, _), (factor, offset) in self.wires[o[0] : o[1]]:
+            for (source, target, _), (factor, offset) in self.wires[o[0] : o[0] + o[1]]:
                 self.v[target] += float(factor) * float(self.v[source]) + float(offset)
         elif code == op.COPY_TYPED:
-            return self.copy_typed(o[0], o[1])
+            return self.copy_typed(o[0], o[0] + o[1])
         elif code == op.REPEAT:
             return op.NOT_CONVERGED if math.isnan(self.v[o[0]]) else op.OK
         elif code == op.CALL_2_AT:
@@ -81,7 +89,7 @@ class Executor:
         elif code in (op.STEP_FMI2, op.STEP_FMI3):
             return self.step(now, stop, code, o)
         elif code == op.CHECK:
-            return 0 if all(map(math.isfinite, self.v[o[0] : o[1]])) else op.NOT_FINITE
+            return 0 if all(map(math.isfinite, self.v[o[0] : o[0] + o[1]])) else op.NOT_FINITE
         elif code == op.RECORD:
             row_number = int(self.clock[2])
             self.times[row_number] = float(Fraction(now, 10**9))
@@ -120,11 +128,11 @@ class Executor:
     def step(self, now: int, stop: int, code: int, o: list[int]) -> int:
         if now + o[2] > stop:
             return op.OK
-        head = (o[0], o[1], now / 10**9, o[2] / 10**9, o[3 if code == op.STEP_FMI2 else 6])
+        head = (o[0], o[1], now / 10**9, o[2] / 10**9, o[3 if code == op.STEP_FMI2 else 5])
         if code == op.STEP_FMI2:
             return self.status(call(*head))
         status = call(*head, o[3], o[3] + 1, o[3] + 2, o[4])
-        _, terminate, early = (int(flag) for flag in self.exchange[o[5] : o[5] + 3])
+        _, terminate, early = (ctypes.c_uint8 * 3).from_address(o[3])
         if status > 1:
             return self.status(status)
         if early:
@@ -156,8 +164,6 @@ class Executor:
         return op.OK
 
 
-def run_cycles(program, instants, span, clock, v, copies, scales, samples, cursors, exchange,
-               recorded, rows, times):  # type: ignore[no-untyped-def]  # fmt: skip
-    """The same arguments and outcomes as the compiled loop."""
-    executor = Executor(clock, v, copies, scales, samples, cursors, exchange, recorded, rows, times)
-    return executor.run(program, instants, span)
+def run(frame: Frame) -> int:
+    """What `Frame.run` does."""
+    return Executor(frame).run(frame)

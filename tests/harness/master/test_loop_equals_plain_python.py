@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from harness.instruments.imperfections import make_imperfection
-from harness.master import run as run_module
+from harness.master.program.frame import Frame
 from tests.harness.master import reference_executor
 from tests.harness.master.random_systems import Case, systems
 from tests.harness.master.rows import run_to_end
@@ -37,7 +37,7 @@ def imperfect_systems(draw: st.DrawFn) -> Case:
 def test_same_bits_same_faults(monkeypatch: pytest.MonkeyPatch, case: Case) -> None:
     compiled, first = run_to_end(case.system, case.fmus)
     with monkeypatch.context() as patch:
-        patch.setattr(run_module, "run_cycles", reference_executor.run_cycles)
+        patch.setattr(Frame, "run", reference_executor.run)
         interpreted, second = run_to_end(case.system, case.fmus)
     assert str(first.fault) == str(second.fault)
     assert first.end_ns == second.end_ns

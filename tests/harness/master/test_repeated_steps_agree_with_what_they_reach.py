@@ -6,7 +6,7 @@ Every step of the mocks is linear, so the fixed point is the solution of two lin
 import numpy as np
 import pytest
 
-from harness.master import run as run_module
+from harness.master.program.frame import Frame
 from harness.system.graph import Convergence, System
 from tests.harness.master import reference_executor
 from tests.harness.master.mock import Input, MockFmu, Output
@@ -95,6 +95,6 @@ def test_compiled_and_interpreted_repetitions_give_the_same_bits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     compiled = run(pair(3000 * MS), mocks())
-    monkeypatch.setattr(run_module, "run_cycles", reference_executor.run_cycles)
+    monkeypatch.setattr(Frame, "run", reference_executor.run)
     interpreted = run(pair(3000 * MS), mocks())
     assert compiled.rows.tobytes() == interpreted.rows.tobytes()
