@@ -36,7 +36,7 @@ def ours(
         path, interface_type=kind, start_time=start, stop_time=stop, output_variables=names,
         relative_tolerance=1e-5, event_mode=event_mode, validate=validate, **rows,
     )  # fmt: skip
-    columns = {name: result[name] for name in names if name not in result.texts}
+    columns = {name: result[name] for name in names if name in result.numeric}
     return {"time": result.time} | {n: np.asarray(c, float) for n, c in columns.items()}
 
 
@@ -74,7 +74,7 @@ def package(path: str, longest: float, compiled: bool, validate: bool = True) ->
         stop = min(spec.stop_time, spec.start_time + longest)
     with open_experiment(path, {**changed, "stop_time": stop}) as experiment:
         result = experiment.run(variant)
-    numbers = {n: result[n] for n in result.names if n not in result.texts}
+    numbers = {n: result[n] for n in result.numeric}
     return {"time": result.time} | {n: np.asarray(c, float) for n, c in numbers.items()}
 
 

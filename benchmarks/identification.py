@@ -10,18 +10,19 @@ Jacobian given. All sides run in turn, several rounds; processor time of the med
 from __future__ import annotations
 
 import argparse
-import statistics
 import time
 from collections.abc import Callable
 
 import numpy as np
 
+from benchmarks.measuring import interleaved
 from controllers.core.block import Array
 from controllers.fuzzy.takagi_sugeno import TakagiSugeno, grid, partition
 from controllers.identification.offline import Uncertainty, identify
 from harness.compiler.step import compile_step
 
 ROUNDS = 7
+COMPILED = "ours, identify compiled"
 R = 1e-4
 
 
@@ -49,27 +50,27 @@ def seconds(run: Callable[[], object]) -> float:
     return time.process_time() - began
 
 
-def measure(sets: int, rows: int) -> dict[str, float]:
-    """ms a row of each side; the interpreted one learns a tenth of the rows."""
+def sides_of(sets: int, rows: int) -> dict[str, Callable[[], float]]:
+    """By name what measures ms a row; the interpreted side learns a tenth of the rows."""
     model, rng = model_of(sets), np.random.default_rng(0)
     X: Array = rng.uniform(-1.0, 1.0, (rows, 2))
     Y = np.sin(2.0 * X[:, :1]) * X[:, 1:]
     adaptation, few = Uncertainty().adaptation(model, (R,)), max(1, rows // 10)
     n = len(adaptation.free)
     sides: dict[str, tuple[int, Callable[[], object]]] = {
-        "identify, compiled": (
-            rows, lambda: identify(model, X, Y, adaptation, compile=compile_step),
+        COMPILED: (rows, lambda: identify(model, X, Y, adaptation, compile=compile_step)),
+        f"a filter in numpy, {n} parameters": (rows, lambda: numpy_filter(n, rows)),
+        "ours, identify in plain Python": (
+            few, lambda: identify(model, X[:few], Y[:few], adaptation),
         ),
-        "a filter in numpy": (rows, lambda: numpy_filter(n, rows)),
-        "identify, plain Python": (few, lambda: identify(model, X[:few], Y[:few], adaptation)),
     }  # fmt: skip
-    identify(model, X[:1], Y[:1], adaptation, compile=compile_step)
-    found: dict[str, list[float]] = {name: [] for name in sides}
-    for _ in range(ROUNDS):
-        for name, (count, run) in sides.items():
-            found[name].append(1e3 * seconds(run) / count)
-    print(f"{n} parameters adapted, {rows} rows, median of {ROUNDS} rounds")
-    return {name: statistics.median(times) for name, times in found.items()}
+    return {name: lambda c=c, run=run: 1e3 * seconds(run) / c for name, (c, run) in sides.items()}
+
+
+def measure(sets: int, rows: int) -> dict[str, float]:
+    """ms a row of each side, the median of the rounds."""
+    found = interleaved(sides_of(sets, rows), ROUNDS)
+    return {name: series.median for name, series in found.items()}
 
 
 def main() -> None:
@@ -79,7 +80,7 @@ def main() -> None:
     parser.add_argument("--sets", type=int, default=7)
     given = parser.parse_args()
     for name, milliseconds in measure(given.sets, given.rows).items():
-        print(f"{name:24} {milliseconds:8.3f} ms a row")
+        print(f"{name:36} {milliseconds:8.3f} ms a row")
 
 
 if __name__ == "__main__":

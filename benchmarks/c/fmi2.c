@@ -1,13 +1,28 @@
 /* The lag as an FMI 2.0 co-simulation FMU: what a closed loop calls, the rest is missing. */
 #include "model.h"
 
+#ifdef TALKATIVE /* says a line a step, whether or not it was asked to */
+typedef struct {
+    void (*logger)(void *, const char *, int, const char *, const char *, ...);
+    void *allocate, *release, *finished, *environment;
+} Callbacks;
+static const Callbacks *listener;
+#define LISTEN(callbacks) (listener = (callbacks))
+#define SAY(step) \
+    listener->logger(listener->environment, "lag", OK, "logAll", "a step of %g s", step)
+#else
+#define LISTEN(callbacks) (void)(callbacks)
+#define SAY(step) (void)(step)
+#endif
+
 EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
 EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 
 EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
                              const void *callbacks, int visible, int logging) {
     (void)name, (void)type, (void)guid, (void)resources;
-    (void)callbacks, (void)visible, (void)logging;
+    (void)visible, (void)logging;
+    LISTEN(callbacks);
     return lag_new();
 }
 
@@ -23,6 +38,11 @@ EXPORT int fmi2EnterInitializationMode(void *c) { return c ? OK : ERROR; }
 EXPORT int fmi2ExitInitializationMode(void *c) { return c ? OK : ERROR; }
 EXPORT int fmi2Terminate(void *c) { return c ? OK : ERROR; }
 
+EXPORT int fmi2Reset(void *c) {
+    *(Lag *)c = (Lag){.k = 1.0};
+    return OK;
+}
+
 EXPORT int fmi2GetReal(void *c, const unsigned *references, size_t n, double *values) {
     return lag_get(c, references, n, values);
 }
@@ -34,6 +54,7 @@ EXPORT int fmi2SetReal(void *c, const unsigned *references, size_t n, const doub
 EXPORT int fmi2DoStep(void *c, double time, double step, int no_set_state) {
     (void)time, (void)no_set_state;
     lag_step(c, step);
+    SAY(step);
     return OK;
 }
 
@@ -51,7 +72,6 @@ MISSING(fmi2GetRealStatus)
 MISSING(fmi2GetStatus)
 MISSING(fmi2GetString)
 MISSING(fmi2GetStringStatus)
-MISSING(fmi2Reset)
 MISSING(fmi2SerializeFMUstate)
 MISSING(fmi2SerializedFMUstateSize)
 MISSING(fmi2SetBoolean)

@@ -155,7 +155,7 @@ def _summary(result: Result) -> None:
     rows = []
     for name in result.names[:_SHOWN] if len(result.time) else ():
         values = result[name]
-        if name in result.texts:
+        if result.column(name).dtype is None:
             cells = [repr(str(values[0])), repr(str(values[-1])), "", "", ""]
         else:
             ends = (values[0], values[-1], min(values), max(values))

@@ -19,6 +19,8 @@ _DTYPES: dict[str, Any] = {
     "integer": np.int64, "int64": np.int64, "uint64": np.uint64,
 }  # fmt: skip
 _ELEMENT = re.compile(r"(.+)\[(\d+(?:,\d+)*)\]")
+Values = NDArray[Any] | tuple[str, ...]
+"""What a column holds: numbers, or texts (binaries hexadecimal)."""
 TEXT_TYPES = ("text", "binary")
 TYPES = (*_DTYPES, *TEXT_TYPES)
 
@@ -130,6 +132,11 @@ def values_of(
     return cells.astype(column.dtype, copy=False)
 
 
+def texts_of(values: Iterable[str | bytes]) -> tuple[str, ...]:
+    """Strings as they are, binaries hexadecimal."""
+    return tuple(one.hex() if isinstance(one, bytes) else one for one in values)
+
+
 def arrow_array(values: NDArray[Any] | Sequence[str | bytes], kind: Any = None) -> Any:
     """The values of a column as an Arrow array, of the Arrow type `kind` where that is given.
 
@@ -145,14 +152,16 @@ def arrow_array(values: NDArray[Any] | Sequence[str | bytes], kind: Any = None) 
     return pa.Array.from_buffers(kind, size, [None, pa.py_buffer(data)])
 
 
-def numbers_of(column: Any) -> NDArray[Any]:
-    """The numbers or truths of a chunked Arrow column, again without pandas."""
+def values_in(column: Any) -> Values:
+    """What a chunked Arrow column holds, again without pandas."""
     import pyarrow as pa
 
-    if pa.types.is_boolean(column.type):
-        return np.array(column.to_pylist(), dtype=np.bool_)
-    found: NDArray[Any] = np.from_dlpack(column.combine_chunks())
-    return found
+    if pa.types.is_string(column.type) or pa.types.is_binary(column.type):
+        return texts_of(column.to_pylist())
+    truth = pa.types.is_boolean(column.type)
+    plain = (column.cast(pa.uint8()) if truth else column).combine_chunks()
+    found: NDArray[Any] = np.from_dlpack(plain)
+    return found.view(np.bool_) if truth else found
 
 
 def schema_of(columns: Sequence[Column]) -> Any:

@@ -110,7 +110,7 @@ def compare(result: Result, reference: ReferenceTable, band: Band) -> tuple[Agre
                 f"{nearest(name, result.names)}"
             )
         numbers = reference.numbers(name)
-        if name in result.texts or numbers is None:
+        if result.column(name).dtype is None or numbers is None:
             found.append(_texts(result, reference, name, band))
         else:
             found.append(_numbers(result, reference.time, numbers, name, band))

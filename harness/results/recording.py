@@ -35,7 +35,16 @@ from numpy.typing import NDArray
 from harness.errors import RecordingError
 from harness.results.atomic import ANOTHER_FOLDER, writing
 from harness.results.blocks import Blocks
-from harness.results.columns import Column, arrow_array, check_columns, schema_of, values_of
+from harness.results.columns import (
+    TIME,
+    Column,
+    Values,
+    arrow_array,
+    check_columns,
+    schema_of,
+    texts_of,
+    values_of,
+)
 from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
 from harness.results.result import Result
 from harness.results.storage import STREAM_FILE, first_rows, read_recording, seal
@@ -94,7 +103,6 @@ class Recording:
         import pyarrow as pa
 
         self._schema = schema_of(self.columns)
-        earlier = [] if continued is None else list(first_rows(folder, continued))
         path = folder / STREAM_FILE
         partial = path if continued is None else path.with_suffix(".partial")
         with self._writing("cannot write into the run folder"):
@@ -103,14 +111,23 @@ class Recording:
                 self._manifest.write(folder)
             self._file = partial.open("wb")
             self._stream = pa.ipc.new_stream(self._file, self._schema)
-            for batch in earlier:
-                self._stream.write_batch(batch)
+            if continued is not None:
+                self._copy(folder, continued, partial)
             self._file.flush()
             if continued is not None:
                 partial.replace(path)
                 self._manifest.write(folder)
-        if earlier:
-            self._last = earlier[-1].column(0)[-1].as_py()
+
+    def _copy(self, folder: Path, count: int, partial: Path) -> None:
+        """Begin with the first `count` rows of the folder's run; without them nothing is changed"""
+        try:
+            for batch in first_rows(folder, count):
+                self._stream.write_batch(batch)
+                self._last = batch.column(0)[-1].as_py()
+        except RecordingError:
+            self._file.close()
+            partial.unlink()
+            raise
 
     @contextmanager
     def _writing(self, what: str) -> Iterator[None]:
@@ -219,7 +236,10 @@ class Recording:
         self._manifest = replace(self._manifest, status=status, wall_time=wall_time)
         if self.folder is None:
             time, rows = self._blocks.all()
-            return Result.of(self.columns, time, self._values(rows), self._manifest)
+            values: dict[str, Values] = {TIME: time}
+            for column, own in zip(self.columns, self._values(rows), strict=True):
+                values[column.name] = texts_of(own) if isinstance(own, list) else own
+            return Result(self.columns, values, self._manifest)
         with self._lock:
             stream, self._stream = self._stream, None
             with self._writing("cannot close the rows in"):

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from os import cpu_count
 from pathlib import Path
 from typing import Any
 
 from harness.errors import RecordingError
 from harness.results.atomic import atomic_write, writing
-from harness.results.columns import TIME, Column, numbers_of, schema_of
-from harness.results.csv_files import write_csv_header, write_csv_rows
+from harness.results.columns import TIME, Column, Values, schema_of, values_in
+from harness.results.csv_files import csv_texts, rows_a_block, write_csv_header
 from harness.results.manifest import INCOMPLETE, RUNNING, Manifest, RunStatus, read_manifest
 from harness.results.result import Result
 
 STREAM_FILE = "rows.arrows"
 PARQUET_FILE = "results.parquet"
 CSV_FILE = "results.csv"
-ROWS_A_BLOCK = 65_536
+_READ_AT_ONCE = 2**26
 
 
 def seal(
@@ -54,31 +58,86 @@ def seal(
 
 
 def read_recording(folder: Path) -> Result:
-    """The result of a complete or incomplete run; raises `RecordingError` where there is none."""
+    """The result of a complete or incomplete run; raises `RecordingError` where there is none.
+
+    Up to 64 MB of rows are read at once, and outlive the folder; of longer runs a column is read
+    when it is asked for.
+    """
+    folder = Path(folder)
+    manifest, stream = read_manifest(folder), folder / STREAM_FILE
+    # the stream of a running or dead process has what it has written so far
+    stored = StoredColumns(stream if stream.exists() else folder / PARQUET_FILE, manifest.columns)
+    time = stored[TIME]
+    if manifest.status.state == RUNNING:
+        until = float(time[-1]) if len(time) else None
+        status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
+        manifest = replace(manifest, status=status)
+    few = 8 * len(time) * len(stored) <= _READ_AT_ONCE
+    return Result(manifest.columns, stored.read() if few else stored, manifest, folder)
+
+
+@dataclass(frozen=True)
+class StoredColumns(Mapping[str, Values]):
+    """The columns of a run's file, its stream or Parquet, by name, "time" among them; each is read
+    when it is asked for, and the last two are kept. Raises `RecordingError` where the file cannot
+    be read."""
+
+    path: Path
+    columns: tuple[Column, ...]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names."""
+        return iter((TIME, *(column.name for column in self.columns)))
+
+    def __len__(self) -> int:
+        """How many columns there are."""
+        return 1 + len(self.columns)
+
+    def __getitem__(self, name: str) -> Values:
+        """The values of one column."""
+        column = None if name == TIME else self._named[name]
+        with _reading(self.path):
+            return _stored(self.path, self.path.stat().st_mtime_ns, column)
+
+    @cached_property
+    def _named(self) -> dict[str, Column]:
+        return {column.name: column for column in self.columns}
+
+    def read(self) -> dict[str, Values]:
+        """All of them."""
+        with _reading(self.path):
+            table = _table(self.path, schema_of(self.columns))
+            return {name: values_in(table.column(name)) for name in self}
+
+
+@lru_cache(maxsize=2)
+def _stored(path: Path, _changed: int, column: Column | None) -> Values:
+    """One column, None for the time; `_changed` is when the file was."""
+    schema = schema_of(() if column is None else (column,))
+    schema = schema if column is None else schema.remove(0)
+    return values_in(_table(path, schema).column(0))
+
+
+def _table(path: Path, schema: Any) -> Any:
+    """The columns of a run's file that are in an Arrow schema, as a table."""
     import pyarrow as pa
     import pyarrow.parquet as parquet
 
-    folder = Path(folder)
-    manifest, stream = read_manifest(folder), folder / STREAM_FILE
+    if path.name == PARQUET_FILE:
+        with parquet.ParquetFile(path) as file:
+            return file.read(schema.names)
+    batches = [batch.select(schema.names) for batch in _whole_batches(path)]
+    return pa.Table.from_batches(batches, schema)
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    import pyarrow as pa
+
     try:
-        if stream.exists():  # a running or dead process has written so far
-            batches = list(_whole_batches(stream))
-            table = pa.Table.from_batches(batches, schema=schema_of(manifest.columns))
-        else:
-            table = parquet.ParquetFile(folder / PARQUET_FILE).read()
+        yield
     except (OSError, pa.ArrowInvalid) as fault:
-        raise RecordingError(f"cannot read the results in {folder}: {fault}") from fault
-    if manifest.status.state == RUNNING:
-        until = table.column(TIME)[-1].as_py() if table.num_rows else None
-        status = RunStatus(INCOMPLETE, until, "the run has not ended, or its process died")
-        manifest = replace(manifest, status=status)
-    time, *columns = table.columns
-    values = [
-        column.to_pylist() if known.dtype is None else numbers_of(column)
-        for known, column in zip(manifest.columns, columns, strict=True)
-    ]
-    result = Result.of(manifest.columns, numbers_of(time), values, manifest)
-    return replace(result, folder=folder)
+        raise RecordingError(f"cannot read the results in {path.parent}: {fault}") from fault
 
 
 def _whole_batches(stream: Path) -> Iterator[Any]:
@@ -111,8 +170,8 @@ def first_rows(folder: Path, count: int) -> Iterator[Any]:
         raise RecordingError(f"{stream} lacks {missing} of the {count} rows before the checkpoint")
 
 
-def _blocks(stream: Path) -> Iterator[Any]:
-    """The stream's rows as tables of at least `ROWS_A_BLOCK` rows (the last may be shorter)."""
+def _blocks(stream: Path, rows_a_block: int) -> Iterator[Any]:
+    """The stream's rows as tables of at least so many rows (the last may be shorter)."""
     import pyarrow as pa
 
     held: list[Any] = []
@@ -120,7 +179,7 @@ def _blocks(stream: Path) -> Iterator[Any]:
     for batch in _whole_batches(stream):
         held.append(batch)
         rows += batch.num_rows
-        if rows >= ROWS_A_BLOCK:
+        if rows >= rows_a_block:
             yield pa.Table.from_batches(held).combine_chunks()
             held, rows = [], 0
     if held:
@@ -132,10 +191,15 @@ def _convert(stream: Path, columns: Sequence[Column], table: Path, text: Path) -
     import pyarrow.parquet as parquet
 
     last: float | None = None
-    with parquet.ParquetWriter(table, schema_of(columns)) as table_file, text.open("wb") as file:
+    with (
+        parquet.ParquetWriter(table, schema_of(columns)) as table_file,
+        text.open("wb") as file,
+        ThreadPoolExecutor(cpu_count()) as pool,
+    ):
         write_csv_header(file, columns)
-        for block in _blocks(stream):
+        for block in _blocks(stream, rows_a_block(1 + len(columns))):
             last = block.column(TIME)[-1].as_py()
-            table_file.write_table(block)
-            write_csv_rows(file, block)
+            texts = csv_texts(pool, block)
+            table_file.write_table(block)  # while the threads make the texts
+            file.writelines(texts)
     return last

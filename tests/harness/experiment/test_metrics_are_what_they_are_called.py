@@ -24,8 +24,7 @@ SIGNALS = {
 }
 RESULT = Result(
     tuple(Column(name, "", "") for name in SIGNALS),
-    TIME,
-    np.column_stack(list(SIGNALS.values())),
+    {"time": TIME, **SIGNALS},
 )
 
 
@@ -67,8 +66,8 @@ def test_above_asks_a_question(limit: float, answer: float) -> None:
 
 
 def test_above_counts_what_is_no_number() -> None:
-    data = np.array([[0.0], [math.nan]])
-    result = Result((Column("x", "", ""),), np.array([0.0, 1.0]), data)
+    values = {"time": np.array([0.0, 1.0]), "x": np.array([0.0, math.nan])}
+    result = Result((Column("x", "", ""),), values)
     spec = MetricSpec(kind="final", signal="x", above=1.0)
     assert custom(result, spec) == 1.0
 
