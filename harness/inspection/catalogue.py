@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from harness.fmi.binding.instance import CO_SIMULATION, MODEL_EXCHANGE
+from harness.fmi.binding.interface import CO_SIMULATION, MODEL_EXCHANGE, InterfaceType
 from harness.inspection import checks, continuous, derivatives, snapshots
 from harness.inspection.checks import CYCLES
 from harness.inspection.finding import Finding
@@ -41,7 +41,7 @@ _COMMON: dict[str, Check] = {
 }
 _LAST: dict[str, Check] = {SURVIVES: checks.frees}
 
-CHECKS: dict[str, dict[str, Check]] = {
+CHECKS: dict[InterfaceType, dict[str, Check]] = {
     CO_SIMULATION: _COMMON
     | {OTHER_STEPS: checks.takes_other_steps, INTERPOLATES: checks.interpolates_inputs}
     | _LAST,

@@ -17,7 +17,6 @@ from harness.fmi.binding.interface import (
 from harness.fmi.description.model_description import ModelDescription
 from harness.fmi.fmu import Fmu
 from harness.inspection.allowances import Allowance, allowances
-from harness.inspection.catalogue import CHECKS
 from harness.inspection.examination_process import Examination, Progress
 from harness.inspection.finding import Finding, Verdict
 from harness.participants.kinds import load_kernels
@@ -85,8 +84,9 @@ def examine(
     load_kernels(exchange=MODEL_EXCHANGE in kinds)  # the deadline is that of the FMU
     findings: list[Finding] = []
     with temporary_folder() as folder:
+        examination = Examination(path, folder, deadline, progress)
         for kind in kinds:
-            examination = Examination(path, kind, folder, deadline, progress)
-            found = list(examination.findings(list(CHECKS[kind])))
-            findings += [*found, *examination.elsewhere(found)]
-    return Diagnosis(path, sha256, description, tuple(findings))
+            findings += examination.findings(kind)
+        findings += examination.elsewhere(findings)
+    by_kind = [finding for kind in kinds for finding in findings if finding.interface_type == kind]
+    return Diagnosis(path, sha256, description, tuple(by_kind))

@@ -1,27 +1,30 @@
 """The workers of an examination: what they do, and what is made of their ends.
 
-The checks of a kind of interface run one after the other in one worker. Where it dies, hangs or
-takes too much memory, the check that ran then has failed, and a new worker goes on with the rest.
-A worker runs a program of its own (`examiner`): in the copies of one process, addresses and memory
-that was never set would look alike. This module loads no library of the FMU itself, so whatever
-the FMU does, the caller lives.
+The checks of a kind of interface run one after the other in one worker, a copy of this process.
+Where it dies, hangs or takes too much memory, the check that ran then has failed, and a new worker
+goes on with the rest. What is compared between processes runs in a program of its own (`examiner`),
+since in copies of one process addresses and memory that was never set would look alike; this
+program also ends as programs do, through what the FMU does then. This module loads no library of
+the FMU itself, so whatever the FMU does, the caller lives.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 from harness.errors import HarnessError, SimulationError
-from harness.fmi.binding.interface import MODEL_EXCHANGE
+from harness.fmi.binding.interface import MODEL_EXCHANGE, InterfaceType
 from harness.fmi.fmu import Fmu
 from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
 from harness.inspection.finding import Finding, Verdict, VerdictError, failed, passed
@@ -31,10 +34,14 @@ from harness.participants.kinds import load_kernels
 from harness.process.fork import available
 from harness.process.limits import Limits, show_memory
 from harness.process.marker import Marker
+from harness.process.task import Teller
 from harness.process.watch import Watch
 from harness.system.policy import interface
 
 _END = "lets its process end"
+
+Task = tuple[InterfaceType, str]
+"""A kind of interface, and the name of a check."""
 
 Progress = Callable[[float, str], None]
 """Called with the share that is done of an interface, and the name of the check that begins."""
@@ -48,19 +55,19 @@ class Round:
     """
 
     deadline: float
-    progress: Callable[[str], None]
+    progress: Callable[[Task], None]
     found: list[Finding] = field(default_factory=list)
-    running: str = ""
+    running: Task | None = None
     since: float = math.inf
 
-    def begins(self, check: str) -> None:
+    def begins(self, task: Task) -> None:
         """A check begins."""
-        self.running, self.since = check, time.monotonic()
-        self.progress(check)
+        self.running, self.since = task, time.monotonic()
+        self.progress(task)
 
     def ends(self, finding: Finding) -> None:
         """The running check has ended."""
-        self.running, self.since = "", time.monotonic()
+        self.running, self.since = None, time.monotonic()
         self.found.append(finding)
 
     def look(self, share: float) -> None:
@@ -69,18 +76,16 @@ class Round:
             raise SimulationError(f"no end within {self.deadline:g} s")
 
 
-def examine(
-    path: Path, scratch: Path, kind: str, names: Sequence[str], tell: Callable[..., None]
-) -> None:
-    """Run the checks called `names`, in order, and have methods of a `Round` called; who asks for
-    them has judged the description."""
-    load_kernels(exchange=kind == MODEL_EXCHANGE)
+def examine(path: Path, scratch: Path, tasks: Sequence[Task], tell: Callable[..., None]) -> None:
+    """Run the checks in order, and have methods of a `Round` called; who asks for them has judged
+    the description."""
+    load_kernels(exchange=any(kind == MODEL_EXCHANGE for kind, _ in tasks))
     with Fmu(path, validate=False) as fmu:
-        subject = Subject(fmu, interface(kind, fmu.description), scratch)
-        for name in names:
-            tell(Round.begins, name)
+        subject = cache(lambda kind: Subject(fmu, interface(kind, fmu.description), scratch))
+        for kind, name in tasks:
+            tell(Round.begins, (kind, name))
             try:
-                finding = (CHECKS[kind] | ELSEWHERE)[name](subject)
+                finding = (CHECKS[kind] | ELSEWHERE)[name](subject(kind))
             except VerdictError as end:
                 finding = end.finding
             except HarnessError as fault:
@@ -90,72 +95,96 @@ def examine(
 
 @dataclass(frozen=True)
 class Examination:
-    """The examination of one kind of interface; `scratch` is shared by its workers."""
+    """The examination of one FMU; `scratch` is shared by its workers."""
 
     path: Path
-    interface_type: str
     scratch: Path
     deadline: float
     progress: Progress | None
 
-    def findings(self, names: list[str]) -> Iterator[Finding]:
-        """Those of the checks called `names`, by as many workers as it takes."""
-        left = list(names)
+    def findings(self, kind: InterfaceType) -> list[Finding]:
+        """Those of all checks of a kind of interface."""
+        return list(self._settled([(kind, name) for name in CHECKS[kind]], self._copied))
+
+    def elsewhere(self, before: Sequence[Finding]) -> Iterator[Finding]:
+        """What a fresh program makes of what the workers of `findings` have left."""
+        digests = {f.interface_type: f.data["digest"] for f in before if "digest" in f.data}
+        tasks: list[Task] = []
+        for kind in CHECKS:
+            tasks += [(kind, REPEATS_ELSEWHERE)] * (kind in digests)
+            tasks += [(kind, CONTINUES_ELSEWHERE)] * left_behind(self.scratch, kind).exists()
+        for finding in self._settled(tasks, self._fresh):
+            compare = finding.check == REPEATS_ELSEWHERE
+            yield _compared(digests[finding.interface_type], finding) if compare else finding
+
+    def _settled(self, tasks: list[Task], start: _Start) -> Iterator[Finding]:
+        """The findings of as many workers as it takes."""
+        left = list(tasks)
         while left:
-            found = self._one_worker(left)
-            settled = sum(finding.check in left for finding in found)
+            found = self._one_worker(left, start)
+            settled = sum((f.interface_type, f.check) in left for f in found)
             assert settled, "each worker settles one check at least"
             left = left[settled:]
             yield from found
 
-    def elsewhere(self, before: list[Finding]) -> Iterator[Finding]:
-        """What a fresh process makes of what the first one has left."""
-        digest = next((f.data["digest"] for f in before if "digest" in f.data), None)
-        names = [REPEATS_ELSEWHERE] * (digest is not None)
-        names += [CONTINUES_ELSEWHERE] * left_behind(self.scratch, self.interface_type).exists()
-        for finding in self.findings(names):
-            compare = finding.check == REPEATS_ELSEWHERE
-            yield _compared(digest, finding) if compare else finding
-
-    def _one_worker(self, names: list[str]) -> list[Finding]:
+    def _one_worker(self, tasks: list[Task], start: _Start) -> list[Finding]:
         """Findings until the worker has ended, by itself or not."""
-        told, words = Round(self.deadline, self._tell), self.scratch / "words"
+        told = Round(self.deadline, self._tell)
         if not available():
-            examine(self.path, self.scratch, self.interface_type, names,
-                    lambda method, given: method(told, given))  # fmt: skip
+            examine(self.path, self.scratch, tasks, lambda method, given: method(told, given))
             return told.found
         limits = Limits(call=None, checkpoint=None)
         watch = Watch(limits, Marker(), told, told.look)
-        task = (str(self.path), str(self.scratch), self.interface_type, *names)
-        watch.follow(partial(_become_examiner, words, task))
+        watch.follow(partial(start, tasks))
         if not isinstance(watch.fault, SimulationError):
             raise watch.fault or AssertionError("a worker of the doctor ends without a last word")
-        left = names[len(told.found) :]
+        left = tasks[len(told.found) :]
         detail = str(watch.fault)
         if watch.exceeded:
             detail = f"held more than {show_memory(limits.memory_bytes or 0)} of memory"
         elif watch.died:
-            detail = _death(watch.code or 0, words.read_text("utf-8", "replace"))
+            detail = _death(watch.code or 0, self._words.read_text("utf-8", "replace"))
         if watch.died and not (watch.exceeded or watch.code or left):
             return told.found
-        told.ends(replace(failed(detail), check=told.running or (left or [_END])[0],
-                          interface_type=self.interface_type))  # fmt: skip
+        kind, check = told.running or (left or [(tasks[-1][0], _END)])[0]
+        told.ends(replace(failed(detail), check=check, interface_type=kind))
         return told.found
 
-    def _tell(self, name: str) -> None:
-        every = list(CHECKS[self.interface_type] | ELSEWHERE)
+    @property
+    def _words(self) -> Path:
+        """What a worker says on its standard output and error."""
+        return self.scratch / "words"
+
+    def _copied(self, tasks: Sequence[Task], connection: Connection) -> None:
+        """Go on as the copy of this process that the worker is."""
+        self._redirect()
+        try:
+            examine(self.path, self.scratch, tasks, Teller(Marker(), connection).tell)
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+
+    def _fresh(self, tasks: Sequence[Task], connection: Connection) -> None:
+        """Go on as another program."""
+        os.set_inheritable(connection.fileno(), True)
+        self._redirect()
+        given = str(connection.fileno()), str(self.path), str(self.scratch), json.dumps(tasks)
+        os.execv(sys.executable, (sys.executable, "-m", "harness.inspection.examiner", *given))
+
+    def _redirect(self) -> None:
+        with self._words.open("wb") as file:
+            for stream in (1, 2):
+                os.dup2(file.fileno(), stream)
+
+    def _tell(self, task: Task) -> None:
+        kind, name = task
+        every = list(CHECKS[kind] | ELSEWHERE)
         if self.progress is not None:
-            self.progress(every.index(name) / len(every), f"{self.interface_type}: {name}")
+            self.progress(every.index(name) / len(every), f"{kind}: {name}")
 
 
-def _become_examiner(words: Path, task: Sequence[str], connection: Connection) -> None:
-    """Go on as another program, whose output goes to the file `words`."""
-    os.set_inheritable(connection.fileno(), True)
-    with words.open("wb") as file:
-        for stream in (1, 2):
-            os.dup2(file.fileno(), stream)
-    program = (sys.executable, "-m", "harness.inspection.examiner")
-    os.execv(sys.executable, (*program, str(connection.fileno()), *task))
+_Start = Callable[[Sequence[Task], Connection], None]
+"""What a worker does from its start to its end."""
 
 
 def _death(code: int, words: str) -> str:

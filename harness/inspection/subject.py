@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 FEWEST, MOST = 20, 100
 """Communication steps of a run of the examination."""
+SLOW = 4
+"""Those of an FMU whose steps take long."""
 
 _WATCHED = 500  # variables at most
 
@@ -50,17 +52,34 @@ class Subject:
 
     @cached_property
     def step(self) -> float:
-        """Communication step (s); in model exchange the distance of the rows of `simulate`."""
-        s = self.settings
-        step = s.output_interval if self.exchanges else s.step_size
+        """Communication step (s): the FMU's own one where it states it, however many of them
+        `simulate` would ask for at a time; in model exchange the distance of its rows."""
+        s, own = self.settings, self.capabilities.fixed_internal_step_size
+        step = s.output_interval if self.exchanges else own or s.step_size
         assert step is not None
         return step
 
     @cached_property
     def steps(self) -> int:
-        """Communication steps of a run: to the stop time, within reason."""
+        """Communication steps of a run: to the stop time, within reason; what `shorten` said."""
+        if self._shortened.exists():
+            return int(self._shortened.read_text())
         wanted = (self.settings.stop_time - self.start) / self.step
         return int(min(max(wanted, FEWEST), MOST))
+
+    def shorten(self, steps: int) -> None:
+        """All runs from now on, also those of other processes, are of so many steps."""
+        self._shortened.write_text(str(steps))
+        self.steps = steps
+
+    @property
+    def slow(self) -> bool:
+        """Whether a run was shortened since steps take long."""
+        return self._shortened.exists()
+
+    @property
+    def _shortened(self) -> Path:
+        return self.scratch / f"{self.interface_type}.steps"
 
     @property
     def half(self) -> int:

@@ -9,13 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.compiler.operations import CLOCK_SIZE
 from harness.errors import EndRequestedError
 from harness.fmi.binding.continuous import ContinuousPart
+from harness.fmi.binding.groups import Group
+from harness.fmi.binding.values import opposite
+from harness.fmi.description.model_description import Variable
 from harness.inspection.excitation import moving_inputs
 from harness.inspection.subject import Array, Subject
 from harness.participants import kinds as kinds
@@ -108,11 +113,35 @@ class Trial:
     def watch(self) -> Array:
         """The watched variables, arrays element by element; in model exchange also the states and
         their derivatives."""
-        get = self.instance.get
-        values = [np.ravel(get(v.name)).astype(float) for v in self.subject.watched]
+        row = np.empty(len(self.subject.labels))
+        end = 0
+        for places, group in self._groups:
+            row[places] = group.read()
+            end += len(places)
+        for place, variable in self._negated:
+            row[place] = opposite(variable, row[place])
         if self.solves:
-            values += [self.part.states(), self.part.derivatives()]
-        return np.concatenate(values) if values else np.zeros(0)
+            row[end:] = np.concatenate([self.part.states(), self.part.derivatives()])
+        return row
+
+    @cached_property
+    def _groups(self) -> list[tuple[NDArray[np.int64], Group]]:
+        """The columns of what is watched, and who reads them, for each kind of get function."""
+        kinds: dict[str, list[tuple[int, Variable]]] = {}
+        place = 0
+        for v in self.subject.watched:
+            kinds.setdefault(self.instance.types[v.type][0], []).append((place, v))
+            place += v.size
+        return [
+            (np.concatenate([np.arange(at, at + v.size) for at, v in members]),
+             self.instance.group(*(v for _, v in members)))
+            for members in kinds.values()
+        ]  # fmt: skip
+
+    @cached_property
+    def _negated(self) -> list[tuple[int, Variable]]:
+        """Columns of scalars of FMI 1 that have the opposite sign of another one."""
+        return [(i, v) for i, v in enumerate(self.subject.watched) if v.details.negated]
 
     def memory(self) -> dict[str, Any]:
         """What the importer must remember with a snapshot of the FMU, as plain values."""
