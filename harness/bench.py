@@ -19,6 +19,7 @@ import dataclasses
 import inspect
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -123,13 +124,16 @@ class Bench:
         `source` is a registered name or "package.module:Class" (with its `parameters`), a
         controller object with a method `block(sample_time)`, a block, or plain Python: a function,
         or an object with a method `step`, of `(time, *inputs)`. The names of its inputs are those
-        of its arguments, its results are called `outputs`.
+        of its arguments, its results are called `outputs`. Every run begins with what plain
+        Python holds now, and leaves that as it is; see `harness.participants.fresh`.
         """
         period = self._period(sample_time, f"sample_time of {name}")
         phase_ns = to_nanoseconds(phase, f"phase of {name}")
         if isinstance(source, str):
             source = registry.controller(source)
+        make: Callable[[], Callable[..., Any]] | None = None
         if isinstance(source, type):
+            make = partial(_made, name, source, parameters)
             source = _construct(name, source, parameters)
         elif parameters:
             raise UsageError(f"component {name}: parameters are taken with a name or a class only")
@@ -147,7 +151,7 @@ class Bench:
             )
         ports = tuple(Port(argument) for argument in _arguments(name, function))
         made = tuple(Port(output) for output in outputs)
-        self._add(PythonComponent(name, function, ports, made, period, phase_ns))
+        self._add(PythonComponent(name, function, ports, made, period, phase_ns, make))
 
     def signal(
         self,
@@ -251,8 +255,9 @@ class Bench:
         manifest; signals that are `needed` afterwards are looked for before the run begins.
 
         A system with FMUs runs in a worker process within `limits`, so that an FMU that crashes,
-        hangs or exits ends the run and not the caller. What plain Python controllers remember
-        stays in the worker; with `in_process` true they, and the FMUs, run in this process.
+        hangs or exits ends the run and not the caller; with `in_process` true all of it runs in
+        this process. What plain Python controllers remember stays in the run; what those without
+        outputs see is there afterwards where they run in this process.
         With `resume` the run in `folder` goes on from its last checkpoint.
         """
         if self._in_worker(in_process):
@@ -329,6 +334,13 @@ def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any
         raise ExperimentError(f"component {name}: {kind.__name__}: {fault}") from fault
     except Exception as fault:
         raise ExperimentError(f"component {name}: {fault}") from fault
+
+
+def _made(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Callable[..., Any]:
+    """The function of a new object of a class."""
+    made = _construct(name, kind, parameters)
+    function: Callable[..., Any] = getattr(made, "step", made)
+    return function
 
 
 def _tuples(value: Any) -> Any:

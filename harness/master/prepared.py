@@ -4,8 +4,9 @@ Runs of a study differ in their seed, points of a sweep in start values; neither
 FMUs are opened, nor the plan. Every run has instances, block states and noise of its own, so a
 run does not depend on those before it: the first and the hundredth give the same bits.
 
-Two kinds of component remember runs and cannot promise that: a plain Python object with state, and
-an FMU that may be instantiated once in a process only. `repeatable` says whether there are none.
+Two kinds of component cannot promise that: plain Python that cannot be copied (see
+`participants.fresh`), and an FMU that may be instantiated once in a process only. `repeatable` says
+whether there are none.
 """
 
 from __future__ import annotations
@@ -113,7 +114,7 @@ class PreparedSystem:
     def _remembers(self, component: Component) -> bool:
         if isinstance(component, FmuComponent):
             return only_once(component, self.fmus[component.name].description)
-        return isinstance(component, PythonComponent)
+        return isinstance(component, PythonComponent) and bool(component.uncopied)
 
 
 def _changed(
