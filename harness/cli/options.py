@@ -80,7 +80,7 @@ def settings(
     """The tables that `pairs` stand for, both sides as in TOML, the value else as a string:
     `seed=7`, `components.plant.step=0.005`, `connections."plant.command".delay=0.01`. Over them go
     those of `flags` that are not None. Raises `UsageError` for what is no such pair."""
-    from harness.experiment.experiment import merge
+    from harness.experiment.merging import merge
 
     found: dict[str, Any] = {}
     for pair in pairs or ():

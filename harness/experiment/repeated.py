@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +10,8 @@ from itertools import chain, groupby
 from typing import TypeVar
 
 from harness.errors import HarnessError
-from harness.experiment.experiment import Experiment, Table
+from harness.experiment.experiment import Experiment
+from harness.experiment.merging import Table, merge, nested
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import FmuSpec
 from harness.process.watchdog import allow
@@ -139,11 +139,8 @@ def _changed(experiment: Experiment, variant: str, settings: Settings) -> Experi
     """The experiment with other settings of one variant."""
     if not settings:
         return experiment
-    data = copy.deepcopy(experiment.data)
+    changes: Table = {}
     for key, value in settings:
-        table: Table = data["variants"][variant] if experiment.spec.variants else data
-        *tables, last = key.split(".")
-        for part in tables:
-            table = table.setdefault(part, {})
-        table[last] = value
-    return Experiment.from_data(data, experiment.path)
+        changes = merge(changes, nested(tuple(key.split(".")), value))
+    place = {"variants": {variant: changes}} if experiment.spec.variants else changes
+    return Experiment.from_data(merge(experiment.data, place), experiment.path)
