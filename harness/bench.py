@@ -250,7 +250,8 @@ class Bench:
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
-        A run that ends early raises its fault, whose attribute `result` holds the rows so far.
+        A run that ends early raises its fault, and Ctrl-C `KeyboardInterrupt`, whose attribute
+        `result` holds the rows so far (None where there are none).
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
 
@@ -260,22 +261,33 @@ class Bench:
         outputs see is there afterwards where they run in this process.
         With `resume` the run in `folder` goes on from its last checkpoint.
         """
+        try:
+            return self._run(
+                None if folder is None else Path(folder), limits, in_process, resume,
+                progress=progress, echo=echo, experiment=experiment, needed=needed,
+            )  # fmt: skip
+        except KeyboardInterrupt as interrupt:
+            if not hasattr(interrupt, "result"):  # before anything was recorded
+                interrupt.result = None  # type: ignore[attr-defined]
+            raise
+
+    def _run(
+        self, folder: Path | None, limits: Limits | None, in_process: bool | None, resume: bool,
+        **told: Any,
+    ) -> Result:  # fmt: skip
         if self._in_worker(in_process):
             from harness.process.run import run_supervised
 
-            place = None if folder is None else Path(folder)
             return run_supervised(
-                self.system(), place, record=tuple(self.record), limits=limits, progress=progress,
-                echo=echo, experiment=experiment, needed=needed, resume=resume,
+                self.system(), folder, record=tuple(self.record), limits=limits, resume=resume,
+                **told,
             )  # fmt: skip
         if limits is not None and limits.isolate and self.system().fmus:
             raise UsageError("isolation needs a worker process of the run's own, on Linux")
         if resume:
             raise UsageError("only runs with FMUs, in a worker process on Linux, can be resumed")
         with self.prepare() as prepared:
-            return prepared.run(
-                folder, progress=progress, echo=echo, experiment=experiment, needed=needed
-            )
+            return prepared.run(folder, **told)
 
     def _in_worker(self, in_process: bool | None) -> bool:
         components = self._components.values()
@@ -288,7 +300,7 @@ class Bench:
             warnings.warn(
                 f"{sinks[0]} has no outputs, and what it keeps stays in the worker process of the "
                 "run; run with in_process=True to have it here, or False to do without",
-                stacklevel=3,
+                stacklevel=4,
             )
         return available()
 

@@ -39,6 +39,7 @@ Isolate = Annotated[
 ExperimentName = Annotated[
     str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
 ]
+Jobs = Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")]
 Changes = Annotated[
     list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
 ]

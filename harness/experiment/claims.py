@@ -208,15 +208,15 @@ def _values(place: Place, source: Source) -> tuple[tuple[int, ...], list[float |
             inside = [float(one) for one in region.inside.ravel()]
             return tuple(range(len(inside))), list(inside)
         return (), [region.share]
-    runs: Mapping[str, Sequence[Mapping[str, float | None]]]
+    runs: Mapping[str, Sequence[Mapping[str, float | None] | None]]
     if evidence.study is not None:
         seeds, runs = evidence.study.seeds, evidence.study.runs
     else:
         seeds, runs = (), {variant: (metrics,) for variant, metrics in evidence.metrics.items()}
     _known("variant", place.variant, runs, place)
-    metrics = {name for own in runs.values() for run in own for name in run}
+    metrics = {name for own in runs.values() for run in own for name in run or ()}
     _known("metric", place.metric, metrics, place)
-    return seeds, [run.get(place.metric) for run in runs[place.variant]]
+    return seeds, [(run or {}).get(place.metric) for run in runs[place.variant]]
 
 
 def _known(kind: str, name: str, known: Collection[str], place: Place) -> None:

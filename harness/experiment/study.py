@@ -8,7 +8,7 @@ left out is reported, and so is the share of runs in which a variant loses the l
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +17,9 @@ from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
+from harness.experiment.journal import Journal, Metrics, Point
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, run_points
+from harness.experiment.repeated import run_points
 from harness.experiment.schema import StudySpec
 from harness.results.atomic import atomic_write, writing
 from harness.results.intervals import Estimate, paired_difference, share
@@ -28,11 +29,12 @@ LOST = "lost_loop"
 
 @dataclass(frozen=True)
 class Study:
-    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`."""
+    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`; None where a study that
+    ended early has not run it."""
 
     experiment: Experiment
     seeds: tuple[int, ...]
-    runs: Mapping[str, tuple[Metrics, ...]]
+    runs: Mapping[str, tuple[Metrics | None, ...]]
 
     @property
     def spec(self) -> StudySpec:
@@ -43,7 +45,16 @@ class Study:
 
     def values(self, variant: str, metric: str) -> list[float | None]:
         """A metric of one variant over the seeds."""
-        return [metrics.get(metric) for metrics in self.runs[variant]]
+        return [None if one is None else one.get(metric) for one in self.runs[variant]]
+
+    def done(self, variant: str) -> int:
+        """How many runs of a variant there are."""
+        return sum(one is not None for one in self.runs[variant])
+
+    @property
+    def complete(self) -> bool:
+        """Whether every variant was run with every seed."""
+        return all(self.done(variant) == len(self.seeds) for variant in self.runs)
 
     def difference(self, variant: str, metric: str) -> Estimate:
         """variant − baseline, paired by seed, at the study's confidence."""
@@ -52,7 +63,8 @@ class Study:
 
     def lost(self, variant: str) -> Estimate:
         """The share of runs in which the variant loses the loop."""
-        happened = [bool(metrics.get(LOST, not metrics)) for metrics in self.runs[variant]]
+        runs = (one for one in self.runs[variant] if one is not None)
+        happened = [bool(metrics.get(LOST, not metrics)) for metrics in runs]
         return share(happened, confidence=self.spec.confidence)
 
     def frame(self) -> pd.DataFrame:
@@ -62,6 +74,7 @@ class Study:
                 {"variant": variant, "seed": seed, **metrics}
                 for variant, runs in self.runs.items()
                 for seed, metrics in zip(self.seeds, runs, strict=True)
+                if metrics is not None
             ]
         )
 
@@ -78,21 +91,41 @@ def run_study(
     *,
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
+    journal: Journal | None = None,
 ) -> Study:
     """Run all variants over the seeds of `[study]`, spread over `workers`.
 
     `workers` are as those of `run_points`; a run that ends early is a lost loop without metrics.
+    What the `journal` has is not run again. A fault, and Ctrl-C, has in `result` the study as far
+    as it was done.
     """
-    study = Study(experiment, (), {})
-    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
-    rows = [[Point(f"seed {seed}", seed)] for seed in seeds]
-    found = run_points(
-        experiment, experiment.variants, rows, _or_lost, workers=workers, progress=progress
-    )
-    return replace(study, seeds=seeds, runs={v: tuple(runs) for v, runs in found.items()})
+    journal = journal or Journal()
+    spec = Study(experiment, (), {}).spec
+    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
+    points = [Point(f"seed {seed}", seed) for seed in seeds]
+
+    def study() -> Study:
+        found = {
+            variant: tuple(_or_lost(journal, variant, point) for point in points)
+            for variant in experiment.variants
+        }
+        return Study(experiment, seeds, found)
+
+    try:
+        run_points(
+            experiment, experiment.variants, [[point] for point in points], journal,
+            workers=workers, progress=progress,
+        )  # fmt: skip
+    except (KeyboardInterrupt, HarnessError) as fault:
+        fault.result = study()  # type: ignore[union-attr]
+        raise
+    return study()
 
 
-def _or_lost(metrics: Metrics | None) -> Metrics:
+def _or_lost(journal: Journal, variant: str, point: Point) -> Metrics | None:
+    if (variant, point) not in journal.found:
+        return None
+    metrics = journal.found[variant, point]
     return {LOST: 1.0} if metrics is None else metrics
 
 
@@ -100,7 +133,8 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
     """Means, paired differences to the baseline with intervals, and shares of lost loops."""
     spec = study.spec
     percent = f"{100 * spec.confidence:g} %"
-    means = Table(title=f"median over {len(study.seeds)} seeds", title_justify="left")
+    some = "" if study.complete else f" ({sum(map(study.done, study.runs))} runs done)"
+    means = Table(title=f"median over {len(study.seeds)} seeds{some}", title_justify="left")
     title = f"difference to {experiment.label(spec.baseline)}, paired, {percent} interval"
     differences = Table(title=title, title_justify="left")
     for table in (means, differences):
@@ -109,16 +143,21 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
             table.add_column(metric.replace("_", " "), justify="right")
     means.add_column(f"loop lost ({percent} interval)", justify="right")
     for variant in experiment.variants:
-        lost = study.lost(variant)
+        runs = [one for one in study.runs[variant] if one is not None]
         means.add_row(
             experiment.label(variant),
-            *(median(study.values(variant, metric)) for metric in spec.metrics),
-            f"{lost.value:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
+            *(median([run.get(metric) for run in runs]) for metric in spec.metrics),
+            _lost(study, variant) if runs else "–",
         )
         if variant != spec.baseline:
             cells = [_difference(study, variant, metric) for metric in spec.metrics]
             differences.add_row(experiment.label(variant), *cells)
     return [means, differences]
+
+
+def _lost(study: Study, variant: str) -> str:
+    lost = study.lost(variant)
+    return f"{lost.value:.0%} [{lost.low:.0%}, {lost.high:.0%}]"
 
 
 def median(values: list[float | None]) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +16,11 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from harness.errors import ExperimentError, nearest
+from harness.errors import ExperimentError, HarnessError, nearest
 from harness.experiment.experiment import Experiment
+from harness.experiment.journal import Journal, Metrics, Point
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, run_points
+from harness.experiment.repeated import run_points
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.atomic import atomic_write, writing
 from harness.results.plots import axis_label, new_figure
@@ -29,11 +29,18 @@ from harness.results.plots import axis_label, new_figure
 @dataclass(frozen=True, eq=False)
 class Region:
     """The outcome of one variant: `outcome[i, j]` belongs to y value i and x value j; NaN where
-    the run ended early, or the figure does not exist."""
+    the run ended early, or the figure does not exist, or the point was not `done`, which all are
+    but in a sweep that ended early."""
 
     variant: str
     spec: SweepSpec
     outcome: NDArray[np.float64]
+    not_done: NDArray[np.bool_] | None = None
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """The points that were run."""
+        return np.ones(self.outcome.shape, bool) if self.not_done is None else ~self.not_done
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -42,8 +49,8 @@ class Region:
 
     @property
     def share(self) -> float:
-        """The share of points inside, 0 to 1."""
-        return float(np.mean(self.inside))
+        """The share of points inside among those done, 0 to 1; NaN where there are none."""
+        return float(np.mean(self.inside[self.done])) if self.done.any() else float("nan")
 
 
 def run_sweep(
@@ -52,19 +59,40 @@ def run_sweep(
     *,
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
+    journal: Journal | None = None,
 ) -> dict[str, Region]:
     """Run the sweep of each variant, spread over `workers`.
 
-    `workers` are as those of `run_points`; a point whose run ends early lies outside.
+    `workers` are as those of `run_points`; a point whose run ends early lies outside. What the
+    `journal` has is not run again. A fault, and Ctrl-C, has in `result` the regions as far as they
+    were done.
     """
-    spec = _spec(experiment)
+    journal, spec = journal or Journal(), _spec(experiment)
     rows = [
         [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
     ]
-    chosen, figure = variants or experiment.variants, partial(_outcome, experiment)
-    found = run_points(experiment, chosen, rows, figure, workers=workers, progress=progress)
-    shape = (spec.y.count, spec.x.count)
-    return {v: Region(v, spec, np.reshape(outcome, shape)) for v, outcome in found.items()}
+
+    def regions() -> dict[str, Region]:
+        return {v: _region(experiment, v, rows, journal) for v in variants or experiment.variants}
+
+    try:
+        run_points(
+            experiment, variants or experiment.variants, rows, journal, workers=workers,
+            progress=progress,
+        )  # fmt: skip
+    except (KeyboardInterrupt, HarnessError) as fault:
+        fault.result = regions()  # type: ignore[union-attr]
+        raise
+    return regions()
+
+
+def _region(
+    experiment: Experiment, variant: str, rows: list[list[Point]], journal: Journal
+) -> Region:
+    found = journal.found
+    done = np.array([[(variant, point) in found for point in row] for row in rows])
+    outcome = [[_outcome(experiment, found.get((variant, point))) for point in row] for row in rows]
+    return Region(variant, _spec(experiment), np.array(outcome), None if done.all() else ~done)
 
 
 def _spec(experiment: Experiment) -> SweepSpec:
@@ -129,6 +157,7 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
         for variant, region in regions.items()
         for i, y in enumerate(region.spec.y.values)
         for j, x in enumerate(region.spec.x.values)
+        if region.done[i, j]
     )  # fmt: skip
     with writing(f"the sweep cannot be written to {folder}", folder):
         with atomic_write(picture) as part:

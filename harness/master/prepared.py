@@ -20,6 +20,7 @@ from typing import Any, Self
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
+from harness.interrupts import INTERRUPTED, Interrupts, TerminatedError
 from harness.master.opened import descriptions_of, only_once, opened
 from harness.master.plan.planner import Plan
 from harness.master.recorded import columns_of
@@ -87,12 +88,22 @@ class PreparedSystem:
             plan = _changed(plan, self.fmus, seed, start_values or {})
         manifest = replace(self.manifest(needed, seed), experiment=dict(experiment or {}))
         place = None if folder is None else Path(folder)
-        with Recording(self._columns, place, manifest) as recording:
+        with (
+            Interrupts() as interrupts,
+            Recording(self._columns, place, manifest) as recording,
+        ):
+
+            def moved(share: float) -> None:
+                if interrupts.reason:
+                    raise interrupts.fault()
+                if progress is not None:
+                    progress(share)
+
             try:
-                outcome = execute(plan, self.fmus, recording, progress=progress, echo=echo)
-            except KeyboardInterrupt as interrupt:
-                said = str(interrupt) or "interrupted by Ctrl-C (KeyboardInterrupt)"
-                interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
+                outcome = execute(plan, self.fmus, recording, progress=moved, echo=echo)
+            except (KeyboardInterrupt, TerminatedError) as interrupt:
+                said = str(interrupt) or f"{INTERRUPTED} (KeyboardInterrupt)"
+                interrupt.result = recording.finish(said)  # type: ignore[union-attr]
                 raise
             recording.add_notes(outcome.notes)
             result = recording.finish("" if outcome.fault is None else str(outcome.fault))
