@@ -330,14 +330,7 @@ class Bench:
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
-    if dataclasses.is_dataclass(kind):
-        legal = [field.name for field in dataclasses.fields(kind)]
-        for key in parameters:
-            if key not in legal:
-                raise ExperimentError(
-                    f"component {name}: {kind.__name__} has no parameter {key!r}; "
-                    f"{nearest(key, legal)}"
-                )
+    _check_parameters(name, kind, parameters)
     try:
         return kind(**{k: _tuples(v) for k, v in parameters.items()})
     except HarnessError:
@@ -346,6 +339,27 @@ def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any
         raise ExperimentError(f"component {name}: {kind.__name__}: {fault}") from fault
     except Exception as fault:
         raise ExperimentError(f"component {name}: {fault}") from fault
+
+
+def _check_parameters(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> None:
+    """Raises `ExperimentError` for parameters that a class has not, or that it lacks."""
+    try:
+        known = inspect.signature(kind).parameters.values()
+    except (TypeError, ValueError):  # a class of a compiled module may not say
+        return
+    open_ended = any(p.kind is p.VAR_KEYWORD for p in known)
+    named = {p.name: p for p in known if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    for key in parameters:
+        if key not in named and not open_ended:
+            raise ExperimentError(
+                f"component {name}: {kind.__name__} has no parameter {key!r}; {nearest(key, named)}"
+            )
+    lacking = [key for key, p in named.items() if p.default is p.empty and key not in parameters]
+    if lacking:
+        raise ExperimentError(
+            f"component {name}: {kind.__name__} needs the parameter {lacking[0]!r}, which is not "
+            f"given; its parameters are {', '.join(named)}"
+        )
 
 
 def _made(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Callable[..., Any]:

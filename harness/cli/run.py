@@ -40,14 +40,14 @@ def run_command(
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
+    from harness.experiment.foresight import check_experiment
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
     pairs = options.for_fmus(set_, validate, compile_)
     changed = options.settings(pairs, {"limits": {**limits, "isolate": isolate or None}})
     with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
-        for name in chosen:
-            loaded.variant_spec(name)
+        check_experiment(loaded, chosen)
         folder = output or registry.run_folder(loaded.name)
         kind = "study" if study else "sweep" if sweep else "run"
         record = RunRecord(loaded, chosen, changed, kind)

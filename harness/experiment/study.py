@@ -17,6 +17,7 @@ from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
+from harness.experiment.foresight import check_metrics
 from harness.experiment.journal import Journal, Metrics, Point
 from harness.experiment.parallel import Workers
 from harness.experiment.repeated import run_points
@@ -99,6 +100,7 @@ def run_study(
     What the `journal` has is not run again. A fault, and Ctrl-C, has in `result` the study as far
     as it was done.
     """
+    check_metrics(experiment)
     journal = journal or Journal()
     spec = Study(experiment, (), {}).spec
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))

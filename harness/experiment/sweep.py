@@ -16,8 +16,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from harness.errors import ExperimentError, HarnessError, nearest
+from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
+from harness.experiment.foresight import check_metrics
 from harness.experiment.journal import Journal, Metrics, Point
 from harness.experiment.parallel import Workers
 from harness.experiment.repeated import run_points
@@ -68,6 +69,7 @@ def run_sweep(
     were done.
     """
     journal, spec = journal or Journal(), _spec(experiment)
+    check_metrics(experiment)
     rows = [
         [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
     ]
@@ -112,12 +114,7 @@ def _outcome(experiment: Experiment, metrics: Metrics | None) -> float:
     """The outcome of a point; NaN where the run ended early, or the figure does not exist."""
     if metrics is None:
         return float("nan")
-    name = _spec(experiment).outcome
-    if name not in metrics:
-        raise ExperimentError(
-            f"{experiment.path}: sweep.outcome {name!r} is no metric; {nearest(name, metrics)}"
-        )
-    found = metrics[name]
+    found = metrics.get(_spec(experiment).outcome)
     return float("nan") if found is None else found
 
 
