@@ -124,7 +124,8 @@ class Bench:
         `source` is a registered name or "package.module:Class" (with its `parameters`), a
         controller object with a method `block(sample_time)`, a block, or plain Python: a function,
         or an object with a method `step`, of `(time, *inputs)`. The names of its inputs are those
-        of its arguments, its results are called `outputs`. Every run begins with what plain
+        of its arguments, its results are called `outputs`; arguments with a default are parameters.
+        Every run begins with what plain
         Python holds now, and leaves that as it is; see `harness.participants.fresh`.
         """
         period = self._period(sample_time, f"sample_time of {name}")
@@ -135,8 +136,12 @@ class Bench:
         if isinstance(source, type):
             make = partial(_made, name, source, parameters)
             source = _construct(name, source, parameters)
+        elif parameters and callable(source) and not hasattr(source, "block"):
+            source = partial(source, **_known(name, source, parameters))
         elif parameters:
-            raise UsageError(f"component {name}: parameters are taken with a name or a class only")
+            raise UsageError(
+                f"component {name}: parameters are taken with a name, a class or a function only"
+            )
         self.controllers[name] = source
         if not isinstance(source, Block) and hasattr(source, "block"):
             source = source.block(period / 1e9)
@@ -149,7 +154,7 @@ class Bench:
                 f"component {name}: {source!r} is no controller; give a registered name, a class, "
                 "a block, a function or an object with a method step"
             )
-        ports = tuple(Port(argument) for argument in _arguments(name, function))
+        ports = tuple(Port(argument) for argument in _inputs(name, function))
         made = tuple(Port(output) for output in outputs)
         self._add(PythonComponent(name, function, ports, made, period, phase_ns, make))
 
@@ -381,12 +386,33 @@ def _imperfection(given: Imperfection | Mapping[str, Any]) -> Imperfection:
     return make_imperfection(given["kind"], {k: v for k, v in given.items() if k != "kind"})
 
 
-def _arguments(name: str, function: Callable[..., Any]) -> list[str]:
-    parameters = list(inspect.signature(function).parameters.values())
+def _known(name: str, function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters of a plain Python function: its arguments that have a default."""
+    signature = inspect.signature(function).parameters.values()
+    legal = [p.name for p in signature if p.default is not p.empty or p.kind is p.KEYWORD_ONLY]
+    for key in given:
+        if key not in legal:
+            raise UsageError(
+                f"component {name}: {key!r} is no argument with a default of {function!r}, and so "
+                f"no parameter; {nearest(key, legal)}"
+            )
+    return dict(given)
+
+
+def _inputs(name: str, function: Callable[..., Any]) -> list[str]:
+    """The arguments of a plain Python function after the time, but for those with a default."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"component {name}: {function!r} does not say what arguments it takes; wrap it, as in "
+            f"lambda time, first, second: {getattr(function, '__name__', 'f')}(first, second)"
+        ) from None
+    free = [p for p in signature.parameters.values() if p.default is p.empty]
     plain = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if not parameters or any(p.kind not in plain for p in parameters):
+    if not free or any(p.kind not in plain for p in free):
         raise UsageError(
             f"component {name}: a plain Python controller takes (time, input, input, …) by "
-            f"position, not {inspect.signature(function)}"
+            f"position, not {signature}"
         )
-    return [p.name for p in parameters[1:]]
+    return [p.name for p in free[1:]]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
+from harness import registry
 from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, at, nearest
 from harness.experiment.faults import checked
@@ -111,6 +112,7 @@ class Experiment:
         """The bench of a variant, with another `seed` if given. Every parameter of a bench is a key
         of the file, of the same name."""
         spec = self.variant_spec(variant)
+        registry.search_in(self.path.parent)
         settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
         bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
         with at(f"{self.path} ({variant})"):
@@ -205,6 +207,7 @@ class Experiment:
         """`result` with the metrics that `measure` and `metrics` ask for."""
         if len(result.time) < 3:
             return result
+        registry.search_in(self.path.parent)
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
         return replace(result, metrics=found)

@@ -16,6 +16,7 @@ import copy
 import io
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from threading import Lock, RLock
 from types import CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
@@ -78,6 +79,9 @@ class _Copies:
             return value
         if isinstance(value, MethodType):
             return MethodType(value.__func__, self._of(value.__self__, name))
+        if type(value) is partial:
+            given = self._of((value.args, value.keywords), name)
+            return partial(self._of(value.func, name), *given[0], **given[1])
         held = getattr(value, "__dict__", {})
         self._memo.update((id(one), one) for one in held.values() if isinstance(one, _STATELESS))
         try:
