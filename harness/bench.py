@@ -19,6 +19,7 @@ import dataclasses
 import inspect
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -123,16 +124,24 @@ class Bench:
         `source` is a registered name or "package.module:Class" (with its `parameters`), a
         controller object with a method `block(sample_time)`, a block, or plain Python: a function,
         or an object with a method `step`, of `(time, *inputs)`. The names of its inputs are those
-        of its arguments, its results are called `outputs`.
+        of its arguments, its results are called `outputs`; arguments with a default are parameters.
+        Every run begins with what plain
+        Python holds now, and leaves that as it is; see `harness.participants.fresh`.
         """
         period = self._period(sample_time, f"sample_time of {name}")
         phase_ns = to_nanoseconds(phase, f"phase of {name}")
         if isinstance(source, str):
             source = registry.controller(source)
+        make: Callable[[], Callable[..., Any]] | None = None
         if isinstance(source, type):
+            make = partial(_made, name, source, parameters)
             source = _construct(name, source, parameters)
+        elif parameters and callable(source) and not hasattr(source, "block"):
+            source = partial(source, **_known(name, source, parameters))
         elif parameters:
-            raise UsageError(f"component {name}: parameters are taken with a name or a class only")
+            raise UsageError(
+                f"component {name}: parameters are taken with a name, a class or a function only"
+            )
         self.controllers[name] = source
         if not isinstance(source, Block) and hasattr(source, "block"):
             source = source.block(period / 1e9)
@@ -145,9 +154,9 @@ class Bench:
                 f"component {name}: {source!r} is no controller; give a registered name, a class, "
                 "a block, a function or an object with a method step"
             )
-        ports = tuple(Port(argument) for argument in _arguments(name, function))
+        ports = tuple(Port(argument) for argument in _inputs(name, function))
         made = tuple(Port(output) for output in outputs)
-        self._add(PythonComponent(name, function, ports, made, period, phase_ns))
+        self._add(PythonComponent(name, function, ports, made, period, phase_ns, make))
 
     def signal(
         self,
@@ -246,31 +255,44 @@ class Bench:
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
-        A run that ends early raises its fault, whose attribute `result` holds the rows so far.
+        A run that ends early raises its fault, and Ctrl-C `KeyboardInterrupt`, whose attribute
+        `result` holds the rows so far (None where there are none).
         `echo(component, message)` sees the messages of FMUs; `experiment` goes to the
         manifest; signals that are `needed` afterwards are looked for before the run begins.
 
         A system with FMUs runs in a worker process within `limits`, so that an FMU that crashes,
-        hangs or exits ends the run and not the caller. What plain Python controllers remember
-        stays in the worker; with `in_process` true they, and the FMUs, run in this process.
+        hangs or exits ends the run and not the caller; with `in_process` true all of it runs in
+        this process. What plain Python controllers remember stays in the run; what those without
+        outputs see is there afterwards where they run in this process.
         With `resume` the run in `folder` goes on from its last checkpoint.
         """
+        try:
+            return self._run(
+                None if folder is None else Path(folder), limits, in_process, resume,
+                progress=progress, echo=echo, experiment=experiment, needed=needed,
+            )  # fmt: skip
+        except KeyboardInterrupt as interrupt:
+            if not hasattr(interrupt, "result"):  # before anything was recorded
+                interrupt.result = None  # type: ignore[attr-defined]
+            raise
+
+    def _run(
+        self, folder: Path | None, limits: Limits | None, in_process: bool | None, resume: bool,
+        **told: Any,
+    ) -> Result:  # fmt: skip
         if self._in_worker(in_process):
             from harness.process.run import run_supervised
 
-            place = None if folder is None else Path(folder)
             return run_supervised(
-                self.system(), place, record=tuple(self.record), limits=limits, progress=progress,
-                echo=echo, experiment=experiment, needed=needed, resume=resume,
+                self.system(), folder, record=tuple(self.record), limits=limits, resume=resume,
+                **told,
             )  # fmt: skip
         if limits is not None and limits.isolate and self.system().fmus:
             raise UsageError("isolation needs a worker process of the run's own, on Linux")
         if resume:
             raise UsageError("only runs with FMUs, in a worker process on Linux, can be resumed")
         with self.prepare() as prepared:
-            return prepared.run(
-                folder, progress=progress, echo=echo, experiment=experiment, needed=needed
-            )
+            return prepared.run(folder, **told)
 
     def _in_worker(self, in_process: bool | None) -> bool:
         components = self._components.values()
@@ -283,7 +305,7 @@ class Bench:
             warnings.warn(
                 f"{sinks[0]} has no outputs, and what it keeps stays in the worker process of the "
                 "run; run with in_process=True to have it here, or False to do without",
-                stacklevel=3,
+                stacklevel=4,
             )
         return available()
 
@@ -313,14 +335,7 @@ class Bench:
 
 
 def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
-    if dataclasses.is_dataclass(kind):
-        legal = [field.name for field in dataclasses.fields(kind)]
-        for key in parameters:
-            if key not in legal:
-                raise ExperimentError(
-                    f"component {name}: {kind.__name__} has no parameter {key!r}; "
-                    f"{nearest(key, legal)}"
-                )
+    _check_parameters(name, kind, parameters)
     try:
         return kind(**{k: _tuples(v) for k, v in parameters.items()})
     except HarnessError:
@@ -329,6 +344,34 @@ def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any
         raise ExperimentError(f"component {name}: {kind.__name__}: {fault}") from fault
     except Exception as fault:
         raise ExperimentError(f"component {name}: {fault}") from fault
+
+
+def _check_parameters(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> None:
+    """Raises `ExperimentError` for parameters that a class has not, or that it lacks."""
+    try:
+        known = inspect.signature(kind).parameters.values()
+    except (TypeError, ValueError):  # a class of a compiled module may not say
+        return
+    open_ended = any(p.kind is p.VAR_KEYWORD for p in known)
+    named = {p.name: p for p in known if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    for key in parameters:
+        if key not in named and not open_ended:
+            raise ExperimentError(
+                f"component {name}: {kind.__name__} has no parameter {key!r}; {nearest(key, named)}"
+            )
+    lacking = [key for key, p in named.items() if p.default is p.empty and key not in parameters]
+    if lacking:
+        raise ExperimentError(
+            f"component {name}: {kind.__name__} needs the parameter {lacking[0]!r}, which is not "
+            f"given; its parameters are {', '.join(named)}"
+        )
+
+
+def _made(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Callable[..., Any]:
+    """The function of a new object of a class."""
+    made = _construct(name, kind, parameters)
+    function: Callable[..., Any] = getattr(made, "step", made)
+    return function
 
 
 def _tuples(value: Any) -> Any:
@@ -343,12 +386,33 @@ def _imperfection(given: Imperfection | Mapping[str, Any]) -> Imperfection:
     return make_imperfection(given["kind"], {k: v for k, v in given.items() if k != "kind"})
 
 
-def _arguments(name: str, function: Callable[..., Any]) -> list[str]:
-    parameters = list(inspect.signature(function).parameters.values())
+def _known(name: str, function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters of a plain Python function: its arguments that have a default."""
+    signature = inspect.signature(function).parameters.values()
+    legal = [p.name for p in signature if p.default is not p.empty or p.kind is p.KEYWORD_ONLY]
+    for key in given:
+        if key not in legal:
+            raise UsageError(
+                f"component {name}: {key!r} is no argument with a default of {function!r}, and so "
+                f"no parameter; {nearest(key, legal)}"
+            )
+    return dict(given)
+
+
+def _inputs(name: str, function: Callable[..., Any]) -> list[str]:
+    """The arguments of a plain Python function after the time, but for those with a default."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"component {name}: {function!r} does not say what arguments it takes; wrap it, as in "
+            f"lambda time, first, second: {getattr(function, '__name__', 'f')}(first, second)"
+        ) from None
+    free = [p for p in signature.parameters.values() if p.default is p.empty]
     plain = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if not parameters or any(p.kind not in plain for p in parameters):
+    if not free or any(p.kind not in plain for p in free):
         raise UsageError(
             f"component {name}: a plain Python controller takes (time, input, input, …) by "
-            f"position, not {inspect.signature(function)}"
+            f"position, not {signature}"
         )
-    return [p.name for p in parameters[1:]]
+    return [p.name for p in free[1:]]

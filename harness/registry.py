@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from harness.errors import FmuError, UsageError, nearest
-from harness.siblings import HOME, import_sibling, is_sibling
+from harness.siblings import HOME, import_beside, import_sibling, is_sibling
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -142,14 +141,43 @@ def _load(group: str, name: str, what: str) -> Any:
     return named(name, what)
 
 
+def search_in(folder: Path) -> None:
+    """From now on `named` looks for modules in this folder first, in the working folder then, and
+    last where Python finds installed ones."""
+    folder = folder.resolve()
+    if folder in _places:
+        _places.remove(folder)
+    _places.insert(0, folder)
+
+
+_places: list[Path] = []
+
+
 def named(name: str, what: str) -> Any:
     """The object that "package.module:object" names, `what` in errors; raises `UsageError`."""
     module, _, attribute = name.partition(":")
     try:
         own = "." in module and is_sibling(module)
-        return getattr(import_sibling(module) if own else import_module(module), attribute)
-    except (ImportError, AttributeError) as fault:
-        raise UsageError(f"{what} {name!r} cannot be imported: {fault}") from fault
+        found = import_sibling(module) if own else import_beside(module, [*_places, Path.cwd()])
+    except UsageError as fault:
+        raise UsageError(f"{what} {name!r}: {fault}") from fault
+    except ModuleNotFoundError as fault:
+        looked = ", ".join(map(str, dict.fromkeys((*_places[:1], Path.cwd()))))
+        raise UsageError(
+            f"{what} {name!r} cannot be imported: {fault}; looked for in {looked}, and among what "
+            "is installed"
+        ) from fault
+    except Exception as fault:  # whatever the module does when it is imported
+        raise UsageError(
+            f"{what} {name!r} cannot be imported: {type(fault).__name__}: {fault}"
+        ) from fault
+    if not hasattr(found, attribute):
+        public = [one for one in vars(found) if not one.startswith("_")]
+        raise UsageError(
+            f"{what} {name!r} cannot be imported: {module} has no {attribute!r}; "
+            f"{nearest(attribute, public)}"
+        )
+    return getattr(found, attribute)
 
 
 def run_folder(name: str) -> Path:

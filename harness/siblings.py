@@ -1,4 +1,5 @@
-"""Packages that lie beside the harness, found also where a user's module has the name of one.
+"""Packages that lie beside the harness, found also where a user's module has the name of one, and
+a user's modules that lie beside his experiment.
 
 Python takes `controllers` from the first folder that has one, which with a `controllers.py` beside
 a script, or in the working folder, is the user's. Then ours is imported while his is set aside, and
@@ -10,9 +11,9 @@ dotted name as one of ours cannot be told from it, and is refused.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from importlib import import_module
+from importlib import import_module, invalidate_caches
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from pkgutil import iter_modules
@@ -48,6 +49,33 @@ def import_sibling(module: str) -> ModuleType:
                 import_module(f"{package}.{child.name}")
             import_module(module)
     return sys.modules[module]
+
+
+def import_beside(module: str, folders: Iterable[Path]) -> ModuleType:
+    """Import a module of the first folder that has it, else an installed one.
+
+    The folder goes to the end of Python's path, for what the module imports itself, so it hides
+    nothing that is installed. Raises `UsageError` where the module has the name of another one.
+    """
+    package = module.partition(".")[0]
+    for folder in folders:
+        here = (folder / f"{package}.py", folder / package / "__init__.py")
+        file = next((one for one in here if one.is_file()), None)
+        if file is None:
+            continue
+        loaded = sys.modules.get(package)
+        found = find_spec(package) if loaded is None else loaded.__spec__
+        origin = getattr(loaded, "__file__", None) or (found and found.origin)
+        if found is not None and Path(origin or "nowhere").resolve() != file.resolve():
+            raise UsageError(
+                f"{file} has the name of another module ({origin or package}), and cannot be "
+                "imported beside it; rename it"
+            )
+        if str(folder) not in sys.path:
+            sys.path.append(str(folder))
+        invalidate_caches()  # the file may be younger than what Python knows of the folder
+        break
+    return import_module(module)
 
 
 def _hiding(package: str) -> Path | None:

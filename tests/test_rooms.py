@@ -12,6 +12,7 @@ FLOORS = (
     "harness.errors",
     "harness.siblings",
     "harness.clock",
+    "harness.interrupts",
     "harness.registry",
     "harness.system.block",
     "harness.system.units",

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from fmus.packaging.errors import PackagingError
+from fmus.packaging.errors import CompilerError, PackagingError
 
 # Contraction to fused multiply-add is off: then machines with and without it agree bit by bit.
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
@@ -174,7 +174,7 @@ def compile_library(
     `library`, for the platform that `compiler` compiles for.
 
     Paths inside the compilation are relative, so the library does not depend on where it was
-    built. Raises PackagingError with the compiler's words when it fails.
+    built. Raises CompilerError with the compiler's words when it fails.
     """
     library = library.resolve()
     command = [
@@ -192,8 +192,8 @@ def compile_library(
             command, cwd=sources, capture_output=True, text=True, timeout=600, check=False
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise PackagingError(f"The C compiler {compiler.command} did not run: {error}") from error
+        raise CompilerError(f"The C compiler {compiler.command} did not run: {error}") from error
     if result.returncode != 0 or not library.exists():
-        raise PackagingError(
+        raise CompilerError(
             f"The C compiler failed on {main} ({shlex.join(command)}):\n{result.stderr.strip()}"
         )

@@ -7,5 +7,9 @@ class PackagingError(Exception):
     """A plant cannot become an FMU; the message names the plant, the place and the way out."""
 
 
+class CompilerError(PackagingError):
+    """A C compiler is there and did not do what it was asked for."""
+
+
 class PortableFallback(UserWarning):
-    """No C compiler was found, so the portable FMU took the place of the native one."""
+    """No C compiler was found, or it failed; the portable FMU took the place of the native one."""

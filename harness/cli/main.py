@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import logging
 import os
 import sys
 import warnings
@@ -83,6 +84,7 @@ def main(arguments: list[str] | None = None) -> None:
     taken apart, which would keep the terminal waiting long after Ctrl-C.
     """
     gc.set_threshold(100_000)  # what is opened lives to the end; to look through it often is slow
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it may keep its fonts
     code = run_command_line(arguments)
     with suppress(OSError, ValueError):
         atexit._run_exitfuncs()

@@ -39,6 +39,7 @@ Isolate = Annotated[
 ExperimentName = Annotated[
     str, typer.Argument(help="Name (see `list`), or path of a TOML, .ssp or .ssd file")
 ]
+Jobs = Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")]
 Changes = Annotated[
     list[str] | None, typer.Option("--set", help="Change a key of the file: key.sub=value")
 ]
@@ -80,7 +81,7 @@ def settings(
     """The tables that `pairs` stand for, both sides as in TOML, the value else as a string:
     `seed=7`, `components.plant.step=0.005`, `connections."plant.command".delay=0.01`. Over them go
     those of `flags` that are not None. Raises `UsageError` for what is no such pair."""
-    from harness.experiment.experiment import merge
+    from harness.experiment.merging import merge
 
     found: dict[str, Any] = {}
     for pair in pairs or ():

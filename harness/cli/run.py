@@ -16,7 +16,6 @@ from harness.errors import HarnessError
 
 if TYPE_CHECKING:
     from harness.cli.run_record import RunRecord
-    from harness.experiment.experiment import Experiment
 
 
 def run_command(
@@ -30,7 +29,7 @@ def run_command(
     ] = None,
     study: Annotated[bool, typer.Option(help="Repeat over the seeds of [study]")] = False,
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
-    jobs: Annotated[int, typer.Option(help="Processes of a study or sweep; 0: all cores")] = 0,
+    jobs: options.Jobs = 0,
     fmi_logging: options.FmiLogging = False,
     call_timeout: options.CallTimeout = None,
     run_timeout: options.RunTimeout = None,
@@ -41,39 +40,45 @@ def run_command(
 ) -> None:
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
+    from harness.experiment.foresight import check_experiment
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
     pairs = options.for_fmus(set_, validate, compile_)
     changed = options.settings(pairs, {"limits": {**limits, "isolate": isolate or None}})
     with options.opened_experiment(experiment, changed) as loaded:
         chosen = tuple(variant or loaded.variants)
-        for name in chosen:
-            loaded.variant_spec(name)
+        check_experiment(loaded, chosen)
         folder = output or registry.run_folder(loaded.name)
-        if study or sweep:
-            _announce(loaded)
-            _repeat(loaded, chosen, folder, jobs, study=study)
-        else:
-            record = RunRecord(loaded, chosen, changed)
-            record.write(folder)
-            _finish(record, folder, logging=fmi_logging)
+        kind = "study" if study else "sweep" if sweep else "run"
+        record = RunRecord(loaded, chosen, changed, kind)
+        record.write(folder)
+        _finish(record, folder, jobs=jobs, logging=fmi_logging)
 
 
 def resume_command(
     folder: Annotated[Path, typer.Argument(help="Run folder, as `run` named it")],
+    jobs: options.Jobs = 0,
     fmi_logging: options.FmiLogging = False,
 ) -> None:
-    """Go on with an interrupted run: variants that are complete are kept, others continue from
-    their last checkpoint or begin."""
+    """Go on with a run, study or sweep that ended early: what is complete is left as it is; a
+    variant continues from its last checkpoint or begins, a study with the runs that it lacks."""
     from harness.cli.run_record import opened_run
 
     with opened_run(folder) as record:
-        _finish(record, folder, logging=fmi_logging, resume=True)
+        _finish(record, folder, jobs=jobs, logging=fmi_logging, resume=True)
 
 
-def _finish(record: RunRecord, folder: Path, *, logging: bool, resume: bool = False) -> None:
+def _finish(
+    record: RunRecord, folder: Path, *, jobs: int, logging: bool, resume: bool = False
+) -> None:
     """Run what the folder lacks, and report on all of it."""
-    _announce(record.experiment)
+    loaded = record.experiment
+    say(f"{loaded.name}: {loaded.spec.title}", style="bold")
+    if record.kind != "run":
+        from harness.cli.repeat import repeat
+
+        repeat(record, folder, jobs)
+        return
     try:
         _run(record, folder, logging=logging, resume=resume)
     except KeyboardInterrupt as fault:
@@ -81,10 +86,6 @@ def _finish(record: RunRecord, folder: Path, *, logging: bool, resume: bool = Fa
             f"{fault or 'interrupted by Ctrl-C'}; the rows so far are in {folder}, and "
             f"`fmu-harness resume {folder}` goes on with them"
         ) from None
-
-
-def _announce(loaded: Experiment) -> None:
-    say(f"{loaded.name}: {loaded.spec.title}", style="bold")
 
 
 def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> None:
@@ -100,9 +101,11 @@ def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> Non
                     resume=resume,
                 )  # fmt: skip
         except HarnessError as fault:
-            if fault.result is None:
+            if fault.result is None and len(record.variants) == 1:
                 raise
-            faults[name], results[name] = fault, fault.result
+            faults[name] = fault
+            if fault.result is not None:
+                results[name] = fault.result
     for note in (note for result in results.values() for note in result.manifest.notes):
         warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
@@ -111,29 +114,3 @@ def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> Non
         say(f"written: {path}")
     if faults:
         raise HarnessError("\n".join(f"{loaded.label(n)}: {f}" for n, f in faults.items()))
-
-
-def _repeat(
-    loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int, *, study: bool
-) -> None:
-    """The study of all variants, or the sweep of some."""
-    from harness.experiment.parallel import Workers
-    from harness.experiment.study import run_study, study_tables
-    from harness.experiment.sweep import run_sweep, write_sweep
-    from harness.results.atomic import check_free
-
-    check_free(folder, "study.csv" if study else "regions.csv")
-    with bar("study" if study else "sweep") as moved, Workers(jobs, isolated=True) as workers:
-        if study:
-            found = run_study(loaded, workers=workers, progress=moved)
-        else:
-            regions = run_sweep(loaded, variants, workers=workers, progress=moved)
-    if study:
-        console().print(*study_tables(loaded, found), sep="\n")
-        written = [found.write(folder)]
-    else:
-        for name, region in regions.items():
-            say(f"{loaded.label(name)}: {100 * region.share:.1f} % of the points inside")
-        written = write_sweep(loaded, regions, folder)
-    for path in written:
-        say(f"written: {path}")

@@ -18,6 +18,7 @@ from typing import Any
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
 from harness.results.atomic import ANOTHER_FOLDER, writing
+from harness.results.manifest import FmuRecord, Manifest, read_manifest, run_state
 from harness.ssp import is_package
 
 RUN_FILE = "experiment.json"
@@ -27,17 +28,19 @@ _PACKAGE_FILES = (".ssd", ".ssv", ".ssm", ".ssb", ".ssp", ".fmu", ".csv")
 @dataclass(frozen=True)
 class RunRecord:
     """An experiment and the variants of it that are run into one folder; `settings` are those with
-    which it was opened."""
+    which it was opened, `kind` is "run", "study" or "sweep"."""
 
     experiment: Experiment
     variants: tuple[str, ...]
     settings: Mapping[str, Any] = field(default_factory=dict)
+    kind: str = "run"
 
     def write(self, folder: Path) -> None:
         """Begin the folder; raises `RecordingError` where another run has, or it cannot be made."""
         path = self.experiment.path.resolve()
         content: dict[str, Any] = {
             "file": str(path),
+            "kind": self.kind,
             "variants": self.variants,
             "data": self.experiment.data,
         }
@@ -58,6 +61,43 @@ class RunRecord:
                 file.unlink(missing_ok=True)
                 raise
 
+    def manifest(self, folder: Path) -> Manifest:
+        """The manifest of a study or sweep, of which each run is what it says and a point of
+        `runs.jsonl`. Raises `RecordingError` where an FMU is not the one that `folder` was begun
+        with."""
+        loaded = self.experiment
+        fmus = tuple(
+            FmuRecord(f"{variant}/{component.name}", component.path.name, digest)
+            for variant in self.variants
+            for component in loaded.bench(variant).system().fmus
+            if (digest := digest_of(component.path))
+        )
+        if run_state(folder):
+            for before, now in zip(read_manifest(folder).fmus, fmus, strict=False):
+                if before != now:
+                    raise RecordingError(
+                        f"the {self.kind} in {folder} cannot go on: {now.file} of {now.instance} "
+                        f"is another file ({before.file}) or has changed since; run anew into "
+                        "another folder"
+                    )
+        seeds = {"seed": loaded.spec.seed}
+        if loaded.spec.study is not None and self.kind == "study":
+            seeds["seeds"] = loaded.spec.study.seeds
+        resolved = {v: loaded.resolved(v, loaded.variant_spec(v)) for v in self.variants}
+        file = {"file": str(loaded.path.resolve()), "sha256": digest_of(loaded.path)}
+        return Manifest(
+            fmus=fmus, seeds=seeds, experiment={**file, "kind": self.kind, "variants": resolved}
+        )
+
+
+def digest_of(file: Path) -> str:
+    """The SHA-256 of a file, hexadecimal; empty where it cannot be read."""
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError:
+        return ""
+
 
 @contextmanager
 def opened_run(folder: Path) -> Iterator[RunRecord]:
@@ -67,7 +107,7 @@ def opened_run(folder: Path) -> Iterator[RunRecord]:
     try:
         held = json.loads(path.read_text(encoding="utf-8"))
         data, file, variants = held["data"], Path(held["file"]), tuple(map(str, held["variants"]))
-        package = held.get("package")
+        package, kind = held.get("package"), held.get("kind", "run")
         settings, digest = (package["settings"], package["sha256"]) if package else ({}, "")
     except FileNotFoundError as fault:
         raise RecordingError(
@@ -77,7 +117,7 @@ def opened_run(folder: Path) -> Iterator[RunRecord]:
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise RecordingError(f"{path} cannot be read: {fault!r}") from fault
     if not package:
-        yield RunRecord(Experiment.from_data(data, file), variants)
+        yield RunRecord(Experiment.from_data(data, file), variants, kind=kind)
         return
     if _digest(file) != digest:
         what = "has changed since" if file.exists() else "is gone"
@@ -88,7 +128,7 @@ def opened_run(folder: Path) -> Iterator[RunRecord]:
     from harness.ssp.to_experiment import open_experiment
 
     with open_experiment(file, settings) as experiment:
-        yield RunRecord(experiment, variants, settings)
+        yield RunRecord(experiment, variants, settings, kind)
 
 
 def _digest(package: Path) -> str:

@@ -11,7 +11,7 @@ import typer
 from harness.cli import options
 from harness.cli.terminal import bar, console, echo, note, say, table
 from harness.errors import HarnessError
-from harness.process.interrupts import TerminatedError
+from harness.interrupts import TerminatedError
 
 if TYPE_CHECKING:
     from harness.fmi.fmu import Fmu

@@ -74,7 +74,7 @@ def _values(
             inside = [float(one) for one in region.inside.ravel()]
             return tuple(range(len(inside))), list(inside)
         return (), [region.share]
-    runs: Mapping[str, Sequence[Mapping[str, float | None]]]
+    runs: Mapping[str, Sequence[Mapping[str, float | None] | None]]
     study = evidence.study
     if study is not None:
         if level is not None:
@@ -84,9 +84,9 @@ def _values(
     else:
         seeds, runs = (), {variant: (metrics,) for variant, metrics in evidence.metrics.items()}
     _known("variant", place.variant, runs, place)
-    metrics = {name for own in runs.values() for run in own for name in run}
+    metrics = {name for own in runs.values() for run in own for name in run or ()}
     _known("metric", place.metric, metrics, place)
-    return seeds, [run.get(place.metric) for run in runs[place.variant]]
+    return seeds, [(run or {}).get(place.metric) for run in runs[place.variant]]
 
 
 def _known(kind: str, name: str | float, known: Collection[str | float], place: Place) -> None:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-import copy
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
+from harness import registry
 from harness.bench import Bench
 from harness.errors import ExperimentError, HarnessError, at, nearest
-from harness.experiment.faults import checked, read_toml
+from harness.experiment.faults import checked
 from harness.experiment.measures import custom, needed_signals, tracking
+from harness.experiment.merging import (
+    DEEPEST,
+    Table,
+    inherited,
+    merge,
+    read_experiment,
+    with_settings,
+)
 from harness.experiment.schema import KINDS, ExperimentSpec
 from harness.fmi.sources import compiled
 from harness.master.prepared import Echo, PreparedSystem, StartValues
@@ -21,10 +29,6 @@ from harness.process.limits import Limits
 from harness.results.manifest import COMPLETE, run_state
 from harness.results.recording import read_recording
 from harness.results.result import Result
-
-Table = dict[str, Any]
-
-_DEEPEST = 8  # files that extend one another
 
 
 @dataclass(frozen=True)
@@ -37,9 +41,9 @@ class Experiment:
 
     @classmethod
     def load(cls, path: str | Path, settings: Mapping[str, Any] | None = None) -> Self:
-        """Read a file and merge `settings` into it, table by table; raises `ExperimentError`."""
+        """Read a file and put `settings` over it and its variants; raises `ExperimentError`."""
         path = Path(path)
-        return cls.from_data(merge(_read(path), settings or {}), path)
+        return cls.from_data(with_settings(read_experiment(path), settings or {}), path)
 
     @classmethod
     def from_data(cls, data: Table, path: Path) -> Self:
@@ -95,22 +99,24 @@ class Experiment:
             merged = merge({k: v for k, v in self.data.items() if k != "variants"}, changes)
         return checked(ExperimentSpec, merged, f"{self.path} (variants.{variant})")
 
-    def _changes(self, variant: str, depth: int = 0) -> Table:
+    def _changes(self, variant: str) -> Table:
         """What a variant changes, with what it takes over from the one that it is `like`."""
-        own = self.data["variants"][variant]
-        changes = {k: v for k, v in own.items() if k not in ("label", "like")}
-        like = own.get("like")
-        if like is None:
-            return changes
-        if like not in self.spec.variants or depth >= _DEEPEST:
-            hint = nearest(str(like), [name for name in self.variants if name != variant])
-            raise ExperimentError(f"{self.path}: key variants.{variant}.like {like!r}: {hint}")
-        return merge(self._changes(like, depth + 1), changes, components=False)
+        variants, chain = self.data["variants"], [variant]
+        while (like := variants[chain[-1]].get("like")) is not None:
+            if like not in variants or len(chain) > DEEPEST:
+                hint = nearest(str(like), [name for name in variants if name != chain[-1]])
+                raise ExperimentError(
+                    f"{self.path}: key variants.{chain[-1]}.like {like!r}: {hint}"
+                )
+            chain.append(like)
+        changes = inherited(variants, variant)
+        return {key: value for key, value in changes.items() if key not in ("label", "like")}
 
     def bench(self, variant: str, *, seed: int | None = None) -> Bench:
         """The bench of a variant, with another `seed` if given. Every parameter of a bench is a key
         of the file, of the same name."""
         spec = self.variant_spec(variant)
+        registry.search_in(self.path.parent)
         settings = {name: getattr(spec, name) for name in inspect.signature(Bench).parameters}
         bench = Bench(**settings | ({} if seed is None else {"seed": seed}))
         with at(f"{self.path} ({variant})"):
@@ -205,6 +211,7 @@ class Experiment:
         """`result` with the metrics that `measure` and `metrics` ask for."""
         if len(result.time) < 3:
             return result
+        registry.search_in(self.path.parent)
         found = tracking(result, spec.measure) if spec.measure is not None else {}
         found |= {name: custom(result, one) for name, one in spec.metrics.items()}
         return replace(result, metrics=found)
@@ -264,46 +271,3 @@ class PreparedVariant:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _read(path: Path, depth: int = 0) -> Table:
-    data = read_toml(path, "experiment file")
-    wires = data.get("connections")
-    if isinstance(wires, dict):  # so that a variant can add to a wire that is a plain string
-        data["connections"] = {
-            target: {"from": wire} if isinstance(wire, str) else wire
-            for target, wire in wires.items()
-        }
-    base = data.get("extends")
-    if base is None:
-        return data
-    if not isinstance(base, str) or depth >= _DEEPEST:
-        raise ExperimentError(
-            f"{path}: key extends: must name one other file, in a chain of at most {_DEEPEST}, "
-            f"not {base!r}"
-        )
-    return merge(_read(path.parent / base, depth + 1), data)
-
-
-def merge(base: Table, changes: Mapping[str, Any], *, components: bool = True) -> Table:
-    """`base` with `changes`: tables are merged, everything else is replaced. A component that
-    becomes another one is replaced, unless `components` are to be merged like other tables, so that
-    no parameters of the old one remain."""
-    merged = copy.deepcopy(base)
-    for key, value in changes.items():
-        old: Any = merged.get(key)
-        tables = isinstance(value, dict) and isinstance(old, dict)
-        if tables and not (components and _other(old, value)):
-            merged[key] = merge(old, value, components=components)
-        else:
-            merged[key] = copy.deepcopy(value)
-    return merged
-
-
-def _other(old: Table, new: Table) -> bool:
-    """Whether both tables say what a component is, and differ in it."""
-    before, after = (
-        {kind: table[kind] for kind in KINDS if isinstance(table.get(kind), str)}
-        for table in (old, new)
-    )
-    return bool(before and after and before != after)

@@ -46,7 +46,7 @@ def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
     heads = (f"median {m.replace('_', ' ')}" for m in metrics)
     yield "experiment", "variant", "seeds", *heads, "loop lost [95 %]"
     for name, study in studies.items():
-        known = {metric for runs in study.runs.values() for run in runs for metric in run}
+        known = {metric for runs in study.runs.values() for run in runs for metric in run or ()}
         for variant in study.runs:
             medians = (median(study.values(variant, m)) if m in known else "" for m in metrics)
             s = study.lost(variant)

@@ -7,6 +7,8 @@ a process gets one, unless the environment says otherwise.
 from __future__ import annotations
 
 import os
+import signal
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -98,8 +100,16 @@ class Workers:
             context = get_context(self._method)
             self._pool = ProcessPoolExecutor(self.count, context, watch_over_runs)
         # processes start at a submission
-        with _defaults(dict.fromkeys(ONE_THREAD, "1")), compiler_at_rest():
+        with _defaults(dict.fromkeys(ONE_THREAD, "1")), compiler_at_rest(), _deaf_to_interrupts():
             return {self._pool.submit(function, task): task for task in tasks}
+
+    def abandon(self) -> None:
+        """End the processes at once, whatever they are at."""
+        if self._pool is not None:
+            processes = getattr(self._pool, "_processes", None) or {}  # the pool has no call for it
+            for process in list(processes.values()):
+                process.kill()
+        self.close()
 
     def close(self) -> None:
         """End the processes, each after the task that it is at."""
@@ -123,6 +133,20 @@ def given_or_one(workers: Workers | None) -> Iterator[Workers]:
         return
     with Workers(1, isolated=available(), forked=True) as one:
         yield one
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes that start while this is open leave Ctrl-C to their parent from their first moment
+    on; here it is heard afterwards."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

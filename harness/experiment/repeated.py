@@ -6,34 +6,22 @@ import copy
 import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain, groupby
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any
 
 from harness.errors import HarnessError
-from harness.experiment.experiment import Experiment, Table
+from harness.experiment.experiment import Experiment
+from harness.experiment.journal import Journal, Metrics, Point, Settings, note
+from harness.experiment.merging import Table
 from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.schema import FmuSpec
 from harness.process.watchdog import allow
 from harness.results.result import Result
 
-Metrics = Mapping[str, float | None]
-Settings = tuple[tuple[str, float], ...]
-"""Keys of an experiment with their values."""
-T = TypeVar("T")
-
 _CHUNKS = 4  # tasks of a variant that a worker gets, so that progress moves and the load evens out
-
-
-@dataclass(frozen=True)
-class Point:
-    """One run: its name in messages, its seed, and what it changes in the experiment."""
-
-    name: str
-    seed: int
-    settings: Settings = ()
-
+_LONGEST = 25  # rows of a task, so that what is done of a study has pairs of all variants
 
 Task = tuple[str, tuple[Point, ...]]
 """A variant and some of its points."""
@@ -43,42 +31,56 @@ def run_points(
     experiment: Experiment,
     variants: Sequence[str],
     rows: Sequence[Sequence[Point]],
-    figure: Callable[[Metrics | None], T],
+    journal: Journal,
     *,
     workers: Workers | None,
     progress: Callable[[float], None] | None,
-) -> dict[str, list[T]]:
-    """The `figure` of the metrics of every point, for each variant; None are the metrics of a run
-    that ended early. Points of a row are run one after the other.
+) -> None:
+    """Every point of each variant into the `journal`, but for those that it has; None are the
+    metrics of a run that ended early. Points of a row are run one after the other.
 
     `workers` None: one process of its own, as any run has; `Workers(1)` runs in this one. A run
     that kills its process is run again under a supervisor, and has ended early if it does so again.
+    Where a fault or Ctrl-C passes through, the journal has what was done before.
     """
-    found: dict[str, dict[Point, T]] = {variant: {} for variant in variants}
-    points = list(chain(*rows))
+    found, n_points = journal.found, len(variants) * sum(map(len, rows))
+    left = sum((v, point) not in found for v in variants for point in chain(*rows))
     with given_or_one(workers) as crew:
-        stride = min(len(rows), crew.count * _CHUNKS)
-        (variant, first), *others = [
-            (variant, tuple(chain(*rows[start::stride])))
-            for start in range(stride)
-            for variant in variants
-        ]
-        # the first task is a single run, which builds and compiles for all
-        tasks = [(variant, first[:1]), *([(variant, first[1:])] if first[1:] else []), *others]
-        for (variant, some), figures in crew.spread(
-            partial(_run_prepared, experiment, figure),
-            tasks,
-            careful=partial(_run_isolated, experiment, figure),
-        ):
-            found[variant] |= zip(some, figures, strict=True)
-            if progress is not None:
-                progress(sum(map(len, found.values())) / (len(points) * len(found)))
-    return {variant: [own[point] for point in points] for variant, own in found.items()}
+        tasks = _tasks(variants, rows, journal, crew.count)
+        try:
+            for (variant, some), metrics in crew.spread(
+                partial(_run_prepared, experiment, journal.path),
+                tasks,
+                careful=partial(_run_isolated, experiment, journal.path),
+            ):
+                found |= {(variant, point): m for point, m in zip(some, metrics, strict=True)}
+                left -= len(some)
+                if progress is not None:
+                    progress(1.0 - left / n_points)
+        except BaseException:
+            crew.abandon()
+            journal.read()
+            raise
 
 
-def _run_prepared(
-    experiment: Experiment, figure: Callable[[Metrics | None], T], task: Task
-) -> list[T]:
+def _tasks(
+    variants: Sequence[str], rows: Sequence[Sequence[Point]], journal: Journal, workers: int
+) -> list[Task]:
+    """What is to do; the first is a single run, which builds and compiles for all."""
+    stride = min(len(rows), max(workers * _CHUNKS, len(rows) // _LONGEST))
+    tasks = [
+        (
+            variant,
+            tuple(p for p in chain(*rows[start::stride]) if (variant, p) not in journal.found),
+        )
+        for start in range(stride)
+        for variant in variants
+    ]
+    (variant, first), *others = [task for task in tasks if task[1]] or [("", ())]
+    return [one for one in ((variant, first[:1]), (variant, first[1:]), *others) if one[1]]
+
+
+def _run_prepared(experiment: Experiment, journal: Path | None, task: Task) -> list[Metrics | None]:
     """What only seeds and start values of FMUs tell apart is prepared once."""
     variant, points = task
     spec = experiment.variant_spec(variant)
@@ -92,20 +94,19 @@ def _run_prepared(
         with _changed(experiment, variant, settings).prepare(variant) as prepared:
             for point in some:
                 starts = _start_values(point, spec.components)
-                run = partial(prepared.run, seed=point.seed, start_values=starts)
-                found.append(figure(_metrics(run)))
+                found.append(_metrics(partial(prepared.run, seed=point.seed, start_values=starts)))
+                note(journal, variant, point, found[-1])
     return found
 
 
-def _run_isolated(
-    experiment: Experiment, figure: Callable[[Metrics | None], T], task: Task
-) -> list[T]:
+def _run_isolated(experiment: Experiment, journal: Path | None, task: Task) -> list[Metrics | None]:
     """Every run in a worker of its own: one that dies loses its own point only."""
     variant, points = task
     found = []
     for point in points:
         run = partial(_changed(experiment, variant, point.settings).run, variant, seed=point.seed)
-        found.append(figure(_metrics(run, f"{experiment.label(variant)}, {point.name}")))
+        found.append(_metrics(run, f"{experiment.label(variant)}, {point.name}"))
+        note(journal, variant, point, found[-1])
     return found
 
 

@@ -55,7 +55,8 @@ class FmuSpec(Strict):
 
 
 class ControllerSpec(Strict):
-    """A controller or estimator by name or "package.module:Class"."""
+    """A controller or estimator by name or "module:Class" or "module:function"; the module lies
+    beside the file, in the working folder, or is installed."""
 
     controller: str
     sample_time: float | None = None

@@ -17,8 +17,10 @@ from rich.table import Table
 
 from harness.errors import ExperimentError, HarnessError
 from harness.experiment.experiment import Experiment
+from harness.experiment.foresight import check_metrics
+from harness.experiment.journal import Journal, Metrics, Point, Settings
 from harness.experiment.parallel import Workers
-from harness.experiment.repeated import Metrics, Point, Settings, run_points, setting
+from harness.experiment.repeated import run_points, setting
 from harness.experiment.schema import LevelsSpec, StudySpec
 from harness.results.atomic import atomic_write, writing
 from harness.results.intervals import Estimate, paired_difference, share
@@ -28,12 +30,13 @@ LOST = "lost_loop"
 
 @dataclass(frozen=True)
 class Study:
-    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`. With `[study.levels]`
-    these are the runs at the nominal one, and `levels` has a study of each value."""
+    """Metrics of every run: `runs[variant][i]` belongs to seed `seeds[i]`; None where a study that
+    ended early has not run it. With `[study.levels]` these are the runs at the nominal one, and
+    `levels` has a study of each value."""
 
     experiment: Experiment
     seeds: tuple[int, ...]
-    runs: Mapping[str, tuple[Metrics, ...]]
+    runs: Mapping[str, tuple[Metrics | None, ...]]
     levels: Mapping[float, Study] = field(default_factory=dict)
 
     @property
@@ -45,7 +48,16 @@ class Study:
 
     def values(self, variant: str, metric: str) -> list[float | None]:
         """A metric of one variant over the seeds."""
-        return [metrics.get(metric) for metrics in self.runs[variant]]
+        return [None if one is None else one.get(metric) for one in self.runs[variant]]
+
+    def done(self, variant: str) -> int:
+        """How many runs of a variant there are."""
+        return sum(one is not None for one in self.runs[variant])
+
+    @property
+    def complete(self) -> bool:
+        """Whether every variant was run with every seed."""
+        return all(self.done(variant) == len(self.seeds) for variant in self.runs)
 
     def difference(self, variant: str, metric: str) -> Estimate:
         """variant − baseline, paired by seed, at the study's confidence."""
@@ -54,7 +66,8 @@ class Study:
 
     def lost(self, variant: str) -> Estimate:
         """The share of runs in which the variant loses the loop."""
-        happened = [bool(metrics.get(LOST, not metrics)) for metrics in self.runs[variant]]
+        runs = (one for one in self.runs[variant] if one is not None)
+        happened = [bool(metrics.get(LOST, not metrics)) for metrics in runs]
         return share(happened, confidence=self.spec.confidence)
 
     def frame(self) -> pd.DataFrame:
@@ -67,6 +80,7 @@ class Study:
                 for at, study in studies or [({}, self)]
                 for variant, runs in study.runs.items()
                 for seed, metrics in zip(study.seeds, runs, strict=True)
+                if metrics is not None
             ]
         )
 
@@ -84,35 +98,53 @@ def run_study(
     *,
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
+    journal: Journal | None = None,
 ) -> Study:
     """Run all variants, or some, over the seeds and the levels of `[study]`, spread over `workers`.
 
     `workers` are as those of `run_points`; a run that ends early is a lost loop without metrics.
+    What the `journal` has is not run again. A fault, and Ctrl-C, has in `result` the study as far
+    as it was done.
     """
+    check_metrics(experiment)
+    journal, chosen = journal or Journal(), variants or experiment.variants
     study = Study(experiment, (), {})
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
     levels = study.spec.levels
-    if levels is None:
-        rows = [[Point(f"seed {seed}", seed)] for seed in seeds]
-    else:
-        rows = [
-            [Point(f"{levels.quantity} {value:g}, seed {seed}", seed, settings) for seed in seeds]
-            for value in levels.values
-            for settings in [level_settings(experiment, levels, value)]
-        ]
-    found = run_points(
-        experiment, variants or experiment.variants, rows, _or_lost,
-        workers=workers, progress=progress,
-    )  # fmt: skip
-    at = [
-        replace(study, seeds=seeds, runs={v: tuple(runs[i : i + n]) for v, runs in found.items()})
-        for n in [len(seeds)]
-        for i in range(0, len(rows) * len(rows[0]), n)
-    ]
-    if levels is None:
-        return at[0]
-    by_value = dict(zip(levels.values, at, strict=True))
-    return replace(by_value[levels.nominal], levels=by_value)
+    values = (None,) if levels is None else levels.values
+    points = {value: _points(experiment, seeds, levels, value) for value in values}
+
+    def found() -> Study:
+        at = {
+            value: replace(
+                study,
+                seeds=seeds,
+                runs={v: tuple(_or_lost(journal, v, point) for point in own) for v in chosen},
+            )
+            for value, own in points.items()
+        }
+        if levels is None:
+            return at[None]
+        by_value = {value: one for value, one in at.items() if value is not None}
+        return replace(by_value[levels.nominal], levels=by_value)
+
+    rows = [[point] for point in points[None]] if levels is None else list(points.values())
+    try:
+        run_points(experiment, chosen, rows, journal, workers=workers, progress=progress)
+    except (KeyboardInterrupt, HarnessError) as fault:
+        fault.result = found()  # type: ignore[union-attr]
+        raise
+    return found()
+
+
+def _points(
+    experiment: Experiment, seeds: Sequence[int], levels: LevelsSpec | None, value: float | None
+) -> list[Point]:
+    """The runs of all seeds, at a value of the quantity where there is one."""
+    if levels is None or value is None:
+        return [Point(f"seed {seed}", seed) for seed in seeds]
+    settings, name = level_settings(experiment, levels, value), f"{levels.quantity} {value:g}"
+    return [Point(f"{name}, seed {seed}", seed, settings) for seed in seeds]
 
 
 def level_settings(experiment: Experiment, levels: LevelsSpec, value: float) -> Settings:
@@ -130,7 +162,10 @@ def level_settings(experiment: Experiment, levels: LevelsSpec, value: float) -> 
     return tuple(found)
 
 
-def _or_lost(metrics: Metrics | None) -> Metrics:
+def _or_lost(journal: Journal, variant: str, point: Point) -> Metrics | None:
+    if (variant, point) not in journal.found:
+        return None
+    metrics = journal.found[variant, point]
     return {LOST: 1.0} if metrics is None else metrics
 
 
@@ -138,7 +173,8 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
     """Means, paired differences to the baseline with intervals, and shares of lost loops."""
     spec = study.spec
     percent = f"{100 * spec.confidence:g} %"
-    means = Table(title=f"median over {len(study.seeds)} seeds", title_justify="left")
+    some = "" if study.complete else f" ({sum(map(study.done, study.runs))} runs done)"
+    means = Table(title=f"median over {len(study.seeds)} seeds{some}", title_justify="left")
     title = f"difference to {experiment.label(spec.baseline)}, paired, {percent} interval"
     differences = Table(title=title, title_justify="left")
     for table in (means, differences):
@@ -147,16 +183,21 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
             table.add_column(metric.replace("_", " "), justify="right")
     means.add_column(f"loop lost ({percent} interval)", justify="right")
     for variant in study.runs:
-        lost = study.lost(variant)
+        runs = [one for one in study.runs[variant] if one is not None]
         means.add_row(
             experiment.label(variant),
-            *(median(study.values(variant, metric)) for metric in spec.metrics),
-            f"{lost.value:.0%} [{lost.low:.0%}, {lost.high:.0%}]",
+            *(median([run.get(metric) for run in runs]) for metric in spec.metrics),
+            _lost(study, variant) if runs else "–",
         )
         if variant != spec.baseline:
             cells = [_difference(study, variant, metric) for metric in spec.metrics]
             differences.add_row(experiment.label(variant), *cells)
     return [means, differences]
+
+
+def _lost(study: Study, variant: str) -> str:
+    lost = study.lost(variant)
+    return f"{lost.value:.0%} [{lost.low:.0%}, {lost.high:.0%}]"
 
 
 def median(values: list[float | None]) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +18,13 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from harness.errors import ExperimentError, nearest
+from harness.errors import ExperimentError, HarnessError
 from harness.experiment.border import explore
 from harness.experiment.experiment import Experiment
+from harness.experiment.foresight import check_metrics
+from harness.experiment.journal import Journal, Metrics, Point
 from harness.experiment.parallel import Workers, given_or_one
-from harness.experiment.repeated import Metrics, Point, run_points
+from harness.experiment.repeated import run_points
 from harness.experiment.schema import AxisSpec, SweepSpec
 from harness.results.atomic import atomic_write, writing
 from harness.results.plots import axis_label, new_figure
@@ -32,12 +34,20 @@ from harness.results.plots import axis_label, new_figure
 class Region:
     """The outcome of one variant: `outcome[i, j]` belongs to y value i and x value j; NaN where
     the run ended early, or the figure does not exist. `ran` are the points that were run, None for
-    all; the others have the outcome of a neighbour that is on their side of the border."""
+    all. The others have the outcome of a neighbour that is on their side of the border, or, in a
+    sweep that ended early (`complete` false), none."""
 
     variant: str
     spec: SweepSpec
     outcome: NDArray[np.float64]
     ran: NDArray[np.bool_] | None = None
+    complete: bool = True
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """The points of which something is known."""
+        all_of_them = self.complete or self.ran is None
+        return np.ones(self.outcome.shape, bool) if all_of_them else np.asarray(self.ran)
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -46,8 +56,8 @@ class Region:
 
     @property
     def share(self) -> float:
-        """The share of points inside, 0 to 1."""
-        return float(np.mean(self.inside))
+        """The share of points inside among those done, 0 to 1; NaN where there are none."""
+        return float(np.mean(self.inside[self.done])) if self.done.any() else float("nan")
 
 
 def run_sweep(
@@ -56,14 +66,17 @@ def run_sweep(
     *,
     workers: Workers | None = None,
     progress: Callable[[float], None] | None = None,
+    journal: Journal | None = None,
 ) -> dict[str, Region]:
     """Run the sweep of each variant, spread over `workers`.
 
-    `workers` are as those of `run_points`; a point whose run ends early lies outside.
+    `workers` are as those of `run_points`; a point whose run ends early lies outside. What the
+    `journal` has is not run again. A fault, and Ctrl-C, has in `result` the regions as far as they
+    were done.
     """
-    spec = _spec(experiment)
-    chosen, figure = variants or experiment.variants, partial(_outcome, experiment)
-    shape = (spec.y.count, spec.x.count)
+    check_metrics(experiment)
+    journal, spec = journal or Journal(), _spec(experiment)
+    chosen, shape = variants or experiment.variants, (spec.y.count, spec.x.count)
     levels = spec.spacing.bit_length()
 
     def run(places: Sequence[tuple[int, int]], done: float) -> NDArray[np.float64]:
@@ -72,12 +85,31 @@ def run_sweep(
             for _, row in groupby(places, key=lambda place: place[0])
         ]
         moved = None if progress is None else partial(_move, progress, done, levels)
-        found = run_points(experiment, chosen, rows, figure, workers=workers, progress=moved)
-        return np.array([found[variant] for variant in chosen])
+        run_points(experiment, chosen, rows, journal, workers=crew, progress=moved)
+        return np.array(
+            [[_outcome(experiment, journal, v, p) for p in chain(*rows)] for v in chosen]
+        )
 
-    with given_or_one(workers) as workers:
-        outcome, ran = explore(shape, spec.spacing, run, lambda values: values < spec.below)
+    try:
+        with given_or_one(workers) as crew:
+            outcome, ran = explore(shape, spec.spacing, run, lambda values: values < spec.below)
+    except (KeyboardInterrupt, HarnessError) as fault:
+        fault.result = _so_far(experiment, chosen, journal)  # type: ignore[union-attr]
+        raise
     return {v: Region(v, spec, outcome[k], ran) for k, v in enumerate(chosen)}
+
+
+def _so_far(experiment: Experiment, variants: Sequence[str], journal: Journal) -> dict[str, Region]:
+    """The regions of a sweep that ended early."""
+    spec, found = _spec(experiment), {}
+    points = [
+        [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
+    ]
+    for v in variants:
+        outcome = [[_outcome(experiment, journal, v, point) for point in row] for row in points]
+        ran = [[(v, point) in journal.found for point in row] for row in points]
+        found[v] = Region(v, spec, np.array(outcome), np.array(ran), complete=False)
+    return found
 
 
 def _move(progress: Callable[[float], None], done: float, levels: int, share: float) -> None:
@@ -97,16 +129,11 @@ def _point(experiment: Experiment, spec: SweepSpec, i: int, j: int) -> Point:
     return Point(f"point ({i}, {j})", seed, settings)
 
 
-def _outcome(experiment: Experiment, metrics: Metrics | None) -> float:
-    """The outcome of a point; NaN where the run ended early, or the figure does not exist."""
-    if metrics is None:
-        return float("nan")
-    name = _spec(experiment).outcome
-    if name not in metrics:
-        raise ExperimentError(
-            f"{experiment.path}: sweep.outcome {name!r} is no metric; {nearest(name, metrics)}"
-        )
-    found = metrics[name]
+def _outcome(experiment: Experiment, journal: Journal, variant: str, point: Point) -> float:
+    """The outcome of a point; NaN where the run ended early, was not run, or the figure does not
+    exist."""
+    metrics: Metrics = journal.found.get((variant, point)) or {}
+    found = metrics.get(_spec(experiment).outcome)
     return float("nan") if found is None else found
 
 
@@ -143,10 +170,11 @@ def write_sweep(experiment: Experiment, regions: dict[str, Region], folder: Path
     points = pd.DataFrame(
         {"variant": variant, "x": x, "y": y, "outcome": region.outcome[i, j],
          "inside": int(region.inside[i, j]),
-         "ran": 1 if region.ran is None else int(region.ran[i, j])}
+         "ran": int(region.ran is None or region.ran[i, j])}
         for variant, region in regions.items()
         for i, y in enumerate(region.spec.y.values)
         for j, x in enumerate(region.spec.x.values)
+        if region.done[i, j]
     )  # fmt: skip
     with writing(f"the sweep cannot be written to {folder}", folder):
         with atomic_write(picture) as part:

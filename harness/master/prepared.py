@@ -4,8 +4,9 @@ Runs of a study differ in their seed, points of a sweep in start values; neither
 FMUs are opened, nor the plan. Every run has instances, block states and noise of its own, so a
 run does not depend on those before it: the first and the hundredth give the same bits.
 
-Two kinds of component remember runs and cannot promise that: a plain Python object with state, and
-an FMU that may be instantiated once in a process only. `repeatable` says whether there are none.
+Two kinds of component cannot promise that: plain Python that cannot be copied (see
+`participants.fresh`), and an FMU that may be instantiated once in a process only. `repeatable` says
+whether there are none.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import Any, Self
 from harness.errors import UsageError, nearest
 from harness.fmi.binding.logger import LogMessage
 from harness.fmi.fmu import Fmu
+from harness.interrupts import INTERRUPTED, Interrupts, TerminatedError
 from harness.master.opened import descriptions_of, only_once, opened
 from harness.master.plan.planner import Plan
 from harness.master.recorded import columns_of
@@ -86,12 +88,22 @@ class PreparedSystem:
             plan = _changed(plan, self.fmus, seed, start_values or {})
         manifest = replace(self.manifest(needed, seed), experiment=dict(experiment or {}))
         place = None if folder is None else Path(folder)
-        with Recording(self._columns, place, manifest) as recording:
+        with (
+            Interrupts() as interrupts,
+            Recording(self._columns, place, manifest) as recording,
+        ):
+
+            def moved(share: float) -> None:
+                if interrupts.reason:
+                    raise interrupts.fault()
+                if progress is not None:
+                    progress(share)
+
             try:
-                outcome = execute(plan, self.fmus, recording, progress=progress, echo=echo)
-            except KeyboardInterrupt as interrupt:
-                said = str(interrupt) or "interrupted by Ctrl-C (KeyboardInterrupt)"
-                interrupt.result = recording.finish(said)  # type: ignore[attr-defined]
+                outcome = execute(plan, self.fmus, recording, progress=moved, echo=echo)
+            except (KeyboardInterrupt, TerminatedError) as interrupt:
+                said = str(interrupt) or f"{INTERRUPTED} (KeyboardInterrupt)"
+                interrupt.result = recording.finish(said)  # type: ignore[union-attr]
                 raise
             recording.add_notes(outcome.notes)
             result = recording.finish("" if outcome.fault is None else str(outcome.fault))
@@ -113,7 +125,7 @@ class PreparedSystem:
     def _remembers(self, component: Component) -> bool:
         if isinstance(component, FmuComponent):
             return only_once(component, self.fmus[component.name].description)
-        return isinstance(component, PythonComponent)
+        return isinstance(component, PythonComponent) and bool(component.uncopied)
 
 
 def _changed(

@@ -36,6 +36,7 @@ from harness.master.program.link import Linker, Program
 from harness.master.program.straight import lay_out
 from harness.master.recorded import recorded_ports
 from harness.participants.fmu import Around, FmuParticipant
+from harness.participants.fresh import fresh
 from harness.participants.kinds import sampled
 from harness.participants.participant import Participant
 from harness.system.check import check
@@ -148,7 +149,7 @@ class _Run:
             made = FmuParticipant.of(c, self.fmus[c.name], self.around)
             stack.callback(made.close)
             self.participants[c.name] = made
-        for component in self.plan.lowered.sampled:
+        for component in fresh(self.plan.lowered.sampled):
             self.participants[component.name] = sampled(component)
 
     def initialise(self) -> None:

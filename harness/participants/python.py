@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from harness.clock import NANOSECONDS
@@ -92,22 +93,37 @@ class PythonParticipant(Participant):
         if len(places) == 1 and places[0][1] == "real":
 
             def store_one(result: Any) -> None:
-                y[0] = result if result.__class__ is float else float(result)
+                y[0] = result if result.__class__ is float else _number(result, names)
 
             return store_one
 
         def store(result: Any) -> None:
-            values = [result] if len(places) == 1 else list(result)
+            several = result.ravel() if isinstance(result, np.ndarray) else result
+            values = [result] if len(places) == 1 else list(several)
             if len(values) != len(places):
                 given = f"returned {len(values)} values for {len(places)} outputs ({names})"
                 raise ValueError(given)
-            for value, (slot, cell) in zip(values, places, strict=True):
+            outputs = self.component.outputs
+            for value, (slot, cell), signal in zip(values, places, outputs, strict=True):
                 if cell == "real":
-                    y[slot - first] = float(value)
+                    y[slot - first] = _number(value, signal.name)
                 else:
                     memory.wide[slot] = raw(value, cell, memory.texts)
 
         return store
+
+
+def _number(result: Any, name: str) -> float:
+    """A result as a float, also an array of one element, as `-K @ x` is."""
+    try:
+        if isinstance(result, np.ndarray) and result.size == 1:
+            return float(result.item())
+        return float(result)
+    except (TypeError, ValueError):
+        shape = f" of shape {result.shape}" if isinstance(result, np.ndarray) else ""
+        raise ValueError(
+            f"returned {type(result).__name__}{shape} for output {name}, which takes one number"
+        ) from None
 
 
 def _view(array: NDArray[Any]) -> Any:

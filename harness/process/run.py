@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import HarnessError, SimulationError
+from harness.interrupts import INTERRUPTED
 from harness.master.prepared import Echo
 from harness.master.run import Progress
 from harness.process.checkpoint import CHECKPOINT_FILE, resumable
-from harness.process.interrupts import INTERRUPTED
 from harness.process.limits import Limits
 from harness.process.marker import Marker, shared_file
 from harness.process.recorder import RunRecorder

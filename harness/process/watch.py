@@ -19,9 +19,9 @@ from typing import Any
 
 from harness.compiler.machine_code import say_nothing
 from harness.errors import SimulationError
+from harness.interrupts import Interrupts
 from harness.process import sentence
 from harness.process.fork import WorkerProcess, memory_of
-from harness.process.interrupts import Interrupts
 from harness.process.isolation import isolate, missing
 from harness.process.limits import Deadlines, Limits
 from harness.process.marker import Marker

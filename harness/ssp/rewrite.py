@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.errors import ExperimentError, UsageError, nearest
-from harness.experiment.experiment import merge
+from harness.experiment.merging import merge
 from harness.ssp import DEFAULT
 from harness.ssp.document import DefaultExperiment, SystemStructure
 from harness.ssp.package import Package, files_of, open_package, save_package

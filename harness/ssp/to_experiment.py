@@ -18,7 +18,8 @@ from typing import Any
 from warnings import warn
 
 from harness.errors import ExperimentError, UnitError, at
-from harness.experiment.experiment import Experiment, merge
+from harness.experiment.experiment import Experiment
+from harness.experiment.merging import merge
 from harness.experiment.schema import (
     ConnectionSpec,
     ControllerSpec,

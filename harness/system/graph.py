@@ -65,7 +65,11 @@ class BlockComponent:
 
 @dataclass(frozen=True)
 class PythonComponent:
-    """A plain Python controller: `function(time, *inputs)` returns one number or one an output."""
+    """A plain Python controller: `function(time, *inputs)` returns one number or one an output.
+
+    Every run has a copy of it. Where it cannot be copied, `make` makes one anew, and else it runs
+    once: then `uncopied` holds why (see `participants.fresh`).
+    """
 
     name: str
     function: Callable[..., float | Sequence[float]]
@@ -73,6 +77,8 @@ class PythonComponent:
     outputs: tuple[BlockSignal, ...]
     period_ns: int
     phase_ns: int = 0
+    make: Callable[[], Callable[..., Any]] | None = field(default=None, compare=False, repr=False)
+    uncopied: list[str] = field(default_factory=list, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

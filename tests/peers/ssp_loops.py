@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness import registry
-from harness.experiment.experiment import Experiment, merge
+from harness.experiment.experiment import Experiment
+from harness.experiment.merging import merge
 from harness.ssp.from_experiment import export_experiment
 from tests.peers.order import Order, run_in
 

@@ -10,7 +10,7 @@ from fmus.packaging.block.build import cached_block_fmu
 from fmus.packaging.block.extra import ExtraFiles
 from fmus.packaging.block.interface import BlockModel, BlockVariable, numbered
 from fmus.packaging.block.portable import cached_portable_block
-from fmus.packaging.cache import cache_directory, write_atomically
+from fmus.packaging.cache import kept, write_atomically
 
 
 class Signal(Protocol):
@@ -84,7 +84,7 @@ def package_block(
 
 def _known_step(step: Callable[[], str], key: str) -> str:
     """The module from the cache; making it can take seconds."""
-    path = cache_directory() / "steps" / f"{key}.txt"
+    path = kept(f"steps/{key}.txt")
     if not path.exists():
         text = step()
         write_atomically(path, lambda part: part.write_bytes(text.encode()))

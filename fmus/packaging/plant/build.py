@@ -21,9 +21,9 @@ from pathlib import Path
 
 from fmus.declaration import PlantModel
 from fmus.packaging.archive import content_hash
-from fmus.packaging.cache import cache_directory, made_by, place, write_atomically
+from fmus.packaging.cache import cache_directory, kept, made_by, place, write_atomically
 from fmus.packaging.compiler import Target, find_compiler, find_targets
-from fmus.packaging.errors import PackagingError, PortableFallback
+from fmus.packaging.errors import CompilerError, PackagingError, PortableFallback
 
 
 def cached_fmu(
@@ -32,20 +32,26 @@ def cached_fmu(
     """Path of the plant's FMU in the cache, built when it is not there yet.
 
     `targets` are the platforms of its binaries, see `find_targets`; the running one when none is
-    named. Without a C compiler the portable FMU (FMI 2, slower) takes the place of the native one
-    and a `PortableFallback` warning says so. Raises PackagingError when it cannot be built.
+    named. Without a C compiler that works the portable FMU (FMI 2, slower) takes the place of the
+    native one and a `PortableFallback` warning says so. Raises PackagingError when it cannot be
+    built.
     """
     if fmi_version not in (2, 3):
         raise PackagingError(f"FMI version {fmi_version!r} is not made; choose 2 or 3.")
-    found: tuple[Target, ...] = ()
-    if not portable:
-        if targets or find_compiler() is not None:
-            found = find_targets(targets)
-        else:
-            warnings.warn(_fallback_notice(plant), PortableFallback, stacklevel=2)
-            fmi_version = 2
-    kind = f"native {fmi_version} {made_by(found)}" if found else f"portable {fmi_version}"
-    return _noted(plant, kind, lambda: _build(plant, fmi_version, found))
+    if not portable and (targets or find_compiler() is not None):
+        found = find_targets(targets)
+        kind = f"native {fmi_version} {made_by(found)}"
+        try:
+            return _noted(plant, kind, lambda: _build(plant, fmi_version, found))
+        except CompilerError as fault:
+            if targets:
+                raise
+            said = str(fault).strip().splitlines()
+            _fall_back(plant, f"The C compiler failed ({said[-1].strip()[:300]})")
+    elif not portable:
+        _fall_back(plant, "No C compiler found")
+    version = fmi_version if portable else 2
+    return _noted(plant, f"portable {version}", lambda: _build(plant, version, ()))
 
 
 def fmu_file(
@@ -65,11 +71,13 @@ def fmu_file(
     return target
 
 
-def _fallback_notice(plant: PlantModel) -> str:
-    return (
-        f"No C compiler found: {plant.name!r} becomes a portable FMU, which needs Python where it "
+def _fall_back(plant: PlantModel, reason: str) -> None:
+    warnings.warn(
+        f"{reason}: {plant.name!r} becomes a portable FMU, which needs Python where it "
         "runs, steps about thirty times slower and exists for FMI 2 co-simulation only; install a "
-        "C compiler or `pip install fmu-harness[zig]` for the native one."
+        "C compiler that works or `pip install fmu-harness[zig]` for the native one.",
+        PortableFallback,
+        stacklevel=3,
     )
 
 
@@ -98,14 +106,16 @@ def _noted(plant: PlantModel, kind: str, build: Callable[[], Path]) -> Path:
     if fingerprint is None:
         return build()
     key = hashlib.sha256(f"{fingerprint} {kind}".encode()).hexdigest()[:32]
-    note = cache_directory() / "notes" / key
+    note = kept(f"notes/{key}")
     if note.exists():
-        path = cache_directory() / note.read_text("utf-8")
+        path = kept(note.read_text("utf-8"))
         if path.exists():
             return path
     path = build()
-    relative = path.relative_to(cache_directory()).as_posix()
-    write_atomically(note, lambda part: part.write_text(relative, "utf-8"))
+    relative = "/".join(path.parts[-2:])
+    write_atomically(
+        cache_directory() / "notes" / key, lambda part: part.write_text(relative, "utf-8")
+    )
     return path
 
 

@@ -1,5 +1,6 @@
 """An exception in a plain Python controller names controller, sample and time; rows are kept."""
 
+import numpy as np
 import pytest
 
 from harness.bench import Bench
@@ -71,7 +72,8 @@ def test_instances_are_freed_after_an_interrupt() -> None:
 @pytest.mark.parametrize(
     ("result", "words"),
     [
-        ("three", "could not convert string to float"),
+        ("three", "returned str for output u, which takes one number"),
+        (np.zeros(2), r"returned ndarray of shape \(2,\) for output u, which takes one number"),
         (None, "NoneType"),
         (float("nan"), "output worker.u is nan at t = 0 s"),
     ],

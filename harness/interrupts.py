@@ -1,4 +1,5 @@
-"""Ctrl-C and termination while a run is supervised: noted, so that the rows are closed first."""
+"""Ctrl-C and termination during a run: noted, so that no callback loses them and the rows are
+closed first."""
 
 from __future__ import annotations
 
@@ -18,8 +19,9 @@ class TerminatedError(SystemExit):
 
 
 class Interrupts:
-    """While open, SIGINT and SIGTERM set `reason` instead of what they did. Python delivers
-    signals to the main thread; elsewhere nothing is changed."""
+    """While open, SIGINT and SIGTERM set `reason` instead of what they did, and do that as well
+    when they come again. Python delivers signals to the main thread; elsewhere nothing is
+    changed."""
 
     def __init__(self) -> None:
         self.reason = ""
@@ -46,5 +48,8 @@ class Interrupts:
             signal.signal(number, before)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
+        if self.reason:
+            signal.signal(number, self._before[number])
+            signal.raise_signal(number)
         self._number = number
         self.reason = INTERRUPTED if number == signal.SIGINT else "ended by SIGTERM"
