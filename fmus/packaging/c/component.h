@@ -3,13 +3,13 @@
  *
  * model.c, generated, provides
  *     FMI_VERSION, MODEL_IDENTIFIER, MODEL_TOKEN, MODEL_TOLERANCE, N_X, N_U, N_Y, N_P,
- *     N_JACOBIAN, N_STATE_JACOBIAN, N_FACTORS,
+ *     N_JACOBIAN, N_STATE_JACOBIAN, N_FACTORS, N_INVARIANTS,
  *     model_names[], by value reference,
  *     model_x_start[], model_x_nominal[], model_u_start[],
  *     model_p_start[], model_p_minimum[], model_p_maximum[], model_p_tunable[],
  *     model_jacobian_starts[], model_jacobian_rows[] (compressed columns of d(f,h)/d(x,u,p)),
  *     model_state_jacobian_rows[] (rows of the nonzeros of df/dx, by columns),
- *     model_derivatives(), model_outputs(), model_linearise(), model_jacobian(),
+ *     model_invariants(), model_derivatives(), model_outputs(), model_linearise(), model_jacobian(),
  *     model_factorise(), model_solve().
  *
  * Refused calls (wrong mode, value reference, value) change nothing. A failed do_step keeps the

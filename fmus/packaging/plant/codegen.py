@@ -14,52 +14,88 @@ from typing import Any
 import casadi as ca
 
 from fmus.packaging.c_source import c_numbers, c_table, runtime_files
-from fmus.packaging.plant.elimination import Elimination, elimination
+from fmus.packaging.plant.elimination import elimination
 from fmus.packaging.plant.emit import C, statements
 from fmus.packaging.plant.expressions import PlantExpressions
+from fmus.packaging.plant.instructions import Body, body_of, with_reciprocals, without_invariants
 from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
 
 RUNTIME = Path(__file__).parent / "c"
-FACTORISE = ("state_jacobian", "diagonal")
-SOLVE = ("factors", "right")
+INVARIANT = frozenset({"u", "p"})
+
+
+@dataclass(frozen=True)
+class Routine:
+    """A generated function: arrays it reads, arrays it fills with their sizes, and its body."""
+
+    arguments: tuple[str, ...]
+    results: dict[str, int]
+    body: Body
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """CasADi functions of (x, u, p) from which both languages are written.
+    """What an FMU evaluates, in either language: routines by name, and the patterns of Jacobians.
 
-    `linearise` yields dx and the nonzeros of df/dx by columns, whose rows are `state_rows`;
-    `elimination` solves with d·I − df/dx. `jacobian` yields the nonzeros of d(f, h)/d(x, u, p),
-    whose compressed columns are `starts` and `rows`.
+    `invariants` computes from (u, p) what derivatives and linearise read besides x; `linearise`
+    yields dx and the nonzeros of df/dx by columns, whose rows are `state_rows`; `factorise` and
+    `solve` are those of `elimination`. `jacobian` yields the nonzeros of d(f, h)/d(x, u, p), whose
+    compressed columns are `starts` and `rows`.
     """
 
-    derivatives: Any
-    outputs: Any
-    linearise: Any
+    routines: dict[str, Routine]
     state_rows: tuple[int, ...]
-    elimination: Elimination
-    jacobian: Any
     starts: tuple[int, ...]
     rows: tuple[int, ...]
+
+    def size(self, routine: str, result: str) -> int:
+        """How many numbers a result of a routine has."""
+        return self.routines[routine].results[result]
 
 
 def equations_of(expressions: PlantExpressions) -> Equations:
     """The functions that an FMU evaluates."""
-    arguments = [expressions.x, expressions.u, expressions.p]
+    symbols, dx = [expressions.x, expressions.u, expressions.p], expressions.dx
     jacobian = expressions.jacobian
-    state_jacobian = ca.sparsify(ca.jacobian(expressions.dx, expressions.x))
-    pattern = state_jacobian.sparsity()
+    state_jacobian = ca.sparsify(ca.jacobian(dx, expressions.x))
+    solver = elimination(state_jacobian.sparsity())
 
-    def function(name: str, *results: Any) -> Any:
-        return ca.Function(name, arguments, list(results), {"cse": True})
+    def body(results: dict[str, Any]) -> Body:
+        function = ca.Function("f", symbols, list(results.values()), {"cse": True})
+        return body_of(function, "xup", list(results))
 
+    def routine(arguments: Sequence[str], results: dict[str, Any], body: Body) -> Routine:
+        return Routine(tuple(arguments), {k: v.nnz() for k, v in results.items()}, body)
+
+    rates = {"dx": dx}, {"dx": dx, "state_jacobian": state_jacobian}
+    computed, bodies = without_invariants([body(r) for r in rates], INVARIANT, "invariants")
+    n_invariants = sum(one.code == ca.OP_OUTPUT for one in computed)
+    x_to = ("x", "u", "p", "invariants")
+    factorise, solve = ("state_jacobian", "diagonal"), ("factors", "right")
     return Equations(
-        function("derivatives", expressions.dx),
-        function("outputs", expressions.y),
-        function("linearise", expressions.dx, state_jacobian),
-        tuple(pattern.row()),
-        elimination(pattern),
-        function("jacobian", jacobian),
+        {
+            "invariants": Routine(("u", "p"), {"invariants": n_invariants}, computed),
+            "derivatives": routine(x_to, rates[0], bodies[0]),
+            "linearise": routine(x_to, rates[1], bodies[1]),
+            **{
+                name: routine("xup", results, with_reciprocals(body(results)))
+                for name, results in (
+                    ("outputs", {"y": expressions.y}),
+                    ("jacobian", {"nonzeros": jacobian}),
+                )
+            },
+            "factorise": Routine(
+                factorise,
+                {"factors": solver.n_factors},
+                with_reciprocals(body_of(solver.factorise, factorise, ["factors"])),
+            ),
+            "solve": Routine(
+                solve,
+                {"solution": dx.nnz()},
+                with_reciprocals(body_of(solver.solve, solve, ["solution"])),
+            ),
+        },
+        tuple(state_jacobian.sparsity().row()),
         tuple(jacobian.sparsity().colind()),
         tuple(jacobian.sparsity().row()),
     )
@@ -68,19 +104,13 @@ def equations_of(expressions: PlantExpressions) -> Equations:
 def model_source(expressions: PlantExpressions, fmi_version: int, token: str) -> str:
     """The text of `model.c`."""
     equations = equations_of(expressions)
-    solver = equations.elimination
     return "\n".join(
         (
             f"/* {expressions.interface.plant.name}: generated from the plant's equations. */\n",
             "#include <math.h>\n",
             _definitions(expressions, equations, fmi_version, token),
             _tables(expressions, equations),
-            _function(equations.derivatives, "model_derivatives", "xup", ["dx"]),
-            _function(equations.outputs, "model_outputs", "xup", ["y"]),
-            _function(equations.linearise, "model_linearise", "xup", ["dx", "state_jacobian"]),
-            _function(equations.jacobian, "model_jacobian", "xup", ["nonzeros"]),
-            _function(solver.factorise, "model_factorise", FACTORISE, ["factors"]),
-            _function(solver.solve, "model_solve", SOLVE, ["solution"]),
+            *(_function(name, one) for name, one in equations.routines.items()),
         )
     )
 
@@ -107,7 +137,8 @@ def _definitions(
         "N_P": len(interface.plant.parameters),
         "N_JACOBIAN": len(equations.rows),
         "N_STATE_JACOBIAN": len(equations.state_rows),
-        "N_FACTORS": equations.elimination.n_factors,
+        "N_FACTORS": equations.size("factorise", "factors"),
+        "N_INVARIANTS": equations.size("invariants", "invariants"),
     }
     return "".join(f"#define {name} {value}\n" for name, value in values.items())
 
@@ -134,9 +165,9 @@ def _tables(expressions: PlantExpressions, equations: Equations) -> str:
     return "".join(c_table(kind, name, entries) for kind, name, entries in tables)
 
 
-def _function(function: Any, name: str, arguments: Sequence[str], results: list[str]) -> str:
-    signature = [f"const double *restrict {argument}" for argument in arguments]
-    signature += [f"double *restrict {result}" for result in results]
-    unused = "".join(f"    (void){letter};\n" for letter in (*arguments, *results))
-    body = statements(function, C, list(arguments), results)
-    return f"static void {name}({', '.join(signature)}) {{\n{unused}{body}\n}}\n"
+def _function(name: str, routine: Routine) -> str:
+    signature = [f"const double *restrict {argument}" for argument in routine.arguments]
+    signature += [f"double *restrict {result}" for result in routine.results]
+    unused = "".join(f"    (void){name};\n" for name in (*routine.arguments, *routine.results))
+    body = statements(routine.body, C)
+    return f"static void model_{name}({', '.join(signature)}) {{\n{unused}{body}\n}}\n"

@@ -10,15 +10,13 @@ This module refuses to know plants and FMUs.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isinf, isnan
-from typing import Any
 
 import casadi as ca
 
 from fmus.packaging.errors import PackagingError
+from fmus.packaging.plant.instructions import Body, Instruction
 
 _COMMON = {
     ca.OP_ADD: "{0} + {1}",
@@ -121,84 +119,24 @@ C = Language(C_TEMPLATES, "const double {0} = {1};", "{0} = {1};", "INFINITY", "
 PYTHON = Language(PYTHON_TEMPLATES, "{0} = {1}", "{0} = {1}", "inf", "nan")
 
 
-@dataclass(frozen=True)
-class _Instruction:
-    """One operation: `code` of CasADi, names or literals of its operands, name of its result."""
+def statements(body: Body, language: Language) -> str:
+    """`body` as text, one indented line an instruction.
 
-    code: int
-    operands: tuple[str, ...]
-    target: str
-
-    @property
-    def divisor(self) -> str | None:
-        """What it divides by."""
-        return self.operands[-1] if self.code in (ca.OP_DIV, ca.OP_INV) else None
-
-
-def statements(function: Any, language: Language, inputs: list[str], outputs: list[str]) -> str:
-    """The body of `function`: one indented line an instruction.
-
-    `inputs` and `outputs` name the arrays that take the place of the function's arguments; a
-    sparse output is stored as its nonzeros, column by column. Where several instructions divide by
-    one variable they multiply by its reciprocal, computed once: a division takes as long as five
-    multiplications. Raises PackagingError for an operation that has no template.
+    Raises PackagingError for an operation that has no template.
     """
-    instructions = list(_instructions(function, language, inputs, outputs))
-    divisors = Counter(i.divisor for i in instructions if i.divisor and i.divisor[0].isalpha())
-    repeated = {name for name, count in divisors.items() if count > 1}
-    return "\n".join(f"    {line}" for line in _lines(instructions, language, repeated))
+    return "\n".join(f"    {_line(one, language)}" for one in body)
 
 
-def _lines(
-    instructions: list[_Instruction], language: Language, repeated: set[str]
-) -> Iterator[str]:
-    reciprocals: dict[str, str] = {}
-    for one in instructions:
-        divisor, code, operands = one.divisor, one.code, one.operands
-        if divisor in repeated:
-            if divisor not in reciprocals:
-                reciprocals[divisor] = f"r{len(reciprocals)}"
-                inverse = _operation(ca.OP_INV, (divisor,), language)
-                yield language.assign.format(reciprocals[divisor], inverse)
-            operands = (*operands[:-1], reciprocals[divisor])
-            code = ca.OP_MUL if code == ca.OP_DIV else ca.OP_ASSIGN
-        if code == ca.OP_OUTPUT:
-            yield language.store.format(one.target, operands[0])
-        else:
-            yield language.assign.format(one.target, _operation(code, operands, language))
-
-
-def _instructions(
-    function: Any, language: Language, inputs: list[str], outputs: list[str]
-) -> Iterator[_Instruction]:
-    """The operations in order; reading an input or a constant is none."""
-    registers: dict[int, str] = {}
-    for k in range(function.n_instructions()):
-        code = function.instruction_id(k)
-        if code == ca.OP_OUTPUT:
-            output, place = function.instruction_output(k)
-            value = registers[function.instruction_input(k)[0]]
-            yield _Instruction(code, (value,), f"{outputs[output]}[{place}]")
-            continue
-        target = function.instruction_output(k)[0]
-        if code == ca.OP_INPUT:
-            argument, place = function.instruction_input(k)
-            registers[target] = f"{inputs[argument]}[{place}]"
-        elif code == ca.OP_CONST:
-            registers[target] = _literal(function.instruction_constant(k), language)
-        else:
-            operands = tuple(registers[i] for i in function.instruction_input(k))
-            yield _Instruction(code, operands, f"t{k}")
-            registers[target] = f"t{k}"
-
-
-def _operation(code: int, operands: tuple[str, ...], language: Language) -> str:
-    if code not in language.templates:
+def _line(one: Instruction, language: Language) -> str:
+    operands = [o if isinstance(o, str) else _literal(o, language) for o in one.operands]
+    if one.code == ca.OP_OUTPUT:
+        return language.store.format(one.target, operands[0])
+    if one.code not in language.templates:
         raise PackagingError(
-            f"The equations use CasADi operation number {code}, which no FMU of ours can compute; "
-            "write it with elementary functions."
+            f"The equations use CasADi operation number {one.code}, which no FMU of ours can "
+            "compute; write it with elementary functions."
         )
-    return language.templates[code].format(*operands)
+    return language.assign.format(one.target, language.templates[one.code].format(*operands))
 
 
 def _literal(value: float, language: Language) -> str:

@@ -9,16 +9,14 @@ used: its archives differ from build to build and leave out units and dependenci
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from fmus.declaration import PlantModel
 from fmus.packaging.archive import UNKNOWN_TOKEN, content_token, write_archive
 from fmus.packaging.bridge import PYTHON_NEEDED, bridge_files, bundled_parts
 from fmus.packaging.documentation import documents
-from fmus.packaging.plant.codegen import FACTORISE, SOLVE, equations_of
+from fmus.packaging.plant.codegen import Routine, equations_of
 from fmus.packaging.plant.emit import PYTHON, statements
 from fmus.packaging.plant.expressions import PlantExpressions, plant_expressions
 from fmus.packaging.plant.interface import RELATIVE_TOLERANCE
@@ -69,7 +67,6 @@ def equations_source(expressions: PlantExpressions) -> str:
     """Equations and tables of a plant as a Python module."""
     plant = expressions.interface.plant
     equations = equations_of(expressions)
-    n_x, n_y = len(plant.states), len(expressions.interface.outputs)
     bounds = [
         (
             float("-inf") if p.minimum is None else float(p.minimum),
@@ -86,7 +83,7 @@ def equations_source(expressions: PlantExpressions) -> str:
         "p_start": [float(parameter.value) for parameter in plant.parameters],
         "p_range": bounds,
         "p_tunable": [parameter.tunable for parameter in plant.parameters],
-        "n_outputs": n_y,
+        "n_outputs": len(expressions.interface.outputs),
         "state_jacobian_rows": list(equations.state_rows),
         "relative_tolerance": RELATIVE_TOLERANCE,
     }
@@ -94,18 +91,13 @@ def equations_source(expressions: PlantExpressions) -> str:
         f"    {name}={tuple(value) if isinstance(value, list) else value!r},"
         for name, value in tables.items()
     ]
-    functions = ("derivatives", "outputs", "linearise", "factorise", "solve")
-    solver, n_slopes = equations.elimination, len(equations.state_rows)
+    functions = ("invariants", "derivatives", "outputs", "linearise", "factorise", "solve")
     return "\n".join(
         (
             f'"""{plant.name}: generated from the plant\'s equations."""\n',
             "from .mathematics import *",
             "from .model import Model\n",
-            _function(equations.derivatives, "derivatives", "xup", {"dx": n_x}),
-            _function(equations.outputs, "outputs", "xup", {"y": n_y}),
-            _function(equations.linearise, "linearise", "xup", {"dx": n_x, "jacobian": n_slopes}),
-            _function(solver.factorise, "factorise", FACTORISE, {"factors": solver.n_factors}),
-            _function(solver.solve, "solve", SOLVE, {"solution": n_x}),
+            *(_function(name, equations.routines[name]) for name in functions),
             "\nMODEL = Model(",
             *lines,
             *(f"    {name}={name}," for name in functions),
@@ -114,8 +106,10 @@ def equations_source(expressions: PlantExpressions) -> str:
     )
 
 
-def _function(function: Any, name: str, arguments: Sequence[str], results: dict[str, int]) -> str:
-    head = [f"    {result} = [0.0] * {size}" for result, size in results.items()]
-    body = statements(function, PYTHON, list(arguments), list(results))
-    lines = [f"\ndef {name}({', '.join(arguments)}):", *head, body]
-    return "\n".join(line for line in (*lines, f"    return {', '.join(results)}\n") if line)
+def _function(name: str, routine: Routine) -> str:
+    head = [f"    {result} = [0.0] * {size}" for result, size in routine.results.items()]
+    body = statements(routine.body, PYTHON)
+    lines = [f"\ndef {name}({', '.join(routine.arguments)}):", *head, body]
+    return "\n".join(
+        line for line in (*lines, f"    return {', '.join(routine.results)}\n") if line
+    )

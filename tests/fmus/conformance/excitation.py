@@ -6,6 +6,7 @@ exactly; so no importer can step otherwise by rounding, and agreement can be to 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, sin
 
@@ -18,6 +19,7 @@ from harness.bench import Bench
 from harness.results.result import Result
 
 Array = NDArray[np.float64]
+Signal = Callable[[Plant, int, float], float]
 
 STEP = 2.0**-7
 STOP_TIME = 64 * STEP
@@ -43,25 +45,36 @@ def excitation(plant: Plant, number: int, time: float) -> float:
     return variable.start + variable.nominal * (step + 0.1 * waves)
 
 
-def driven(plant: Plant, version: int, tolerance: float | None = None) -> Bench:
-    """A bench on which every input of the plant, called "plant", is excited."""
+def forth_and_back(plant: Plant, number: int, time: float) -> float:
+    """The first input rests, steps by a tenth of its nominal, steps back, and is released."""
+    variable = plant.inputs[number]
+    share = 0.0 if time < 0.03 or time >= 0.33 else 0.1 if time < 0.18 else -0.1
+    return variable.start + (share * variable.nominal if number == 0 else 0.0)
+
+
+def driven(
+    plant: Plant, version: int, tolerance: float | None = None, signal: Signal = excitation
+) -> Bench:
+    """A bench on which every input of the plant, called "plant", follows `signal`."""
     bench = Bench(stop_time=STOP_TIME, step=STEP, fmi_version=version)
     bench.fmu("plant", plant.fmu(version), tolerance=tolerance)
     for number, variable in enumerate(plant.inputs):
-        _drive(bench, plant, number, variable)
+        _drive(bench, plant, number, variable, signal)
     bench.record = ("plant.*", *(f"plant.{state.name}" for state in plant.states))
     return bench
 
 
-def _drive(bench: Bench, plant: Plant, number: int, variable: Variable) -> None:
+def _drive(bench: Bench, plant: Plant, number: int, variable: Variable, signal: Signal) -> None:
     source = f"signal_{variable.name}"
-    bench.signal(source, "function", function=lambda t: excitation(plant, number, t))
+    bench.signal(source, "function", function=lambda t: signal(plant, number, t))
     bench.connect(source, f"plant.{variable.name}")
 
 
-def excite(plant: Plant, version: int, tolerance: float | None = None) -> Excited:
+def excite(
+    plant: Plant, version: int, tolerance: float | None = None, signal: Signal = excitation
+) -> Excited:
     """Run the excited plant."""
-    result = driven(plant, version, tolerance).run()
+    result = driven(plant, version, tolerance, signal).run()
     return Excited(plant, STEP, *held_rows(plant, result, "plant"), result)
 
 

@@ -19,9 +19,11 @@ DRIVER = r"""
 __attribute__((visibility("default"))) int run(int steps, double duration, double tolerance,
                                                double *x) {
     static const double u[] = {0.0}, mu[] = {2.0};
-    const Rodas5p solver = {u, mu, tolerance};
+    double invariants[N_INVARIANTS + 1];
+    const Rodas5p solver = {u, mu, invariants, tolerance};
     Rodas5pReport report;
     int substeps = 0;
+    model_invariants(u, mu, invariants);
     for (int k = 0; k < steps; k++) {
         double substep = duration / steps;
         if (rodas5p_integrate(&solver, duration / steps, x, &substep, &report) != RODAS5P_DONE) {

@@ -9,10 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* After whatever changes what outputs and derivatives depend on. */
-static void invalidate(Component *component) {
+/* After whatever changes the states only. */
+static void invalidate_results(Component *component) {
     component->outputs_valid = false;
     component->derivatives_valid = false;
+}
+
+/* After whatever changes inputs or parameters, too. */
+static void invalidate(Component *component) {
+    invalidate_results(component);
+    component->invariants_valid = false;
 }
 
 #include "logging.c"
@@ -68,13 +74,14 @@ static Status component_do_step(Component *component, const char *call, double t
     double x[N_X + 1];
     double substep = state->substep;
     Rodas5pReport report = {0, 0, 0, 0.0};
-    const Rodas5p solver = {state->u, state->p, state->relative_tolerance};
+    const Rodas5p solver = {state->u, state->p, component->invariants, state->relative_tolerance};
     if (component_check_mode(component, call, MODE_STEP) != STATUS_OK ||
         check_step(component, call, time, step) != STATUS_OK) {
         return STATUS_ERROR;
     }
     memcpy(x, state->x, sizeof x);
     if (N_X > 0) {
+        update_invariants(component);
         const Rodas5pResult result = rodas5p_integrate(&solver, step, x, &substep, &report);
         if (result != RODAS5P_DONE) {
             state->mode = MODE_FAILED;
@@ -89,7 +96,7 @@ static Status component_do_step(Component *component, const char *call, double t
     memcpy(state->x, x, sizeof x);
     state->substep = substep;
     state->time = time + step;
-    invalidate(component);
+    invalidate_results(component);
     if (component->log_categories & LOG_SOLVER) {
         component_log(component, STATUS_OK, LOG_SOLVER,
                       "%s: at %.12g s after %lu substeps and %lu rejected ones.", call,

@@ -7,20 +7,20 @@
  * Whoever includes this defines first, for one model,
  *     N_X, N_STATE_JACOBIAN, N_FACTORS,
  *     model_x_nominal[], model_state_jacobian_rows[],
- *     model_derivatives(x, u, p, dx),
- *     model_linearise(x, u, p, dx, jacobian)       df/dx, exact, its nonzeros by columns,
+ *     model_derivatives(x, u, p, invariants, dx), invariants being those of model_invariants(u, p),
+ *     model_linearise(x, u, p, invariants, dx, jacobian) df/dx, exact, its nonzeros by columns,
  *     model_factorise(jacobian, diagonal, factors) diagonal I - df/dx, pivots' inverses first,
  *     model_solve(factors, right, solution).
  *
- * The local error of a substep is held below relative_tolerance * (nominal_i + max(|x_i|)) in every
- * state i. */
+ * The local error of a substep stays below a quarter of relative_tolerance * (nominal_i + |x_i|) in
+ * every state i. */
 #ifndef RODAS5P_H
 #define RODAS5P_H
 
 #include <stddef.h>
 
 typedef struct {
-    const double *u, *p;
+    const double *u, *p, *invariants;
     double relative_tolerance;
 } Rodas5p;
 

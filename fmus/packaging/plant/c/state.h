@@ -39,10 +39,12 @@ struct Component {
     void *environment;
     void (*logger)(void); /* the importer's callback, cast by the layer that stored it */
     unsigned log_categories;
+    bool invariants_valid; /* invariants are those of u and p */
     bool outputs_valid; /* y is h(x, u, p) of the present state */
     bool derivatives_valid;
     double dx[N_X + 1];
     double y[N_Y + 1];
+    double invariants[N_INVARIANTS + 1];
 };
 
 #endif

@@ -26,10 +26,18 @@ static void update_outputs(Component *component) {
     }
 }
 
+static void update_invariants(Component *component) {
+    if (!component->invariants_valid) {
+        model_invariants(component->state.u, component->state.p, component->invariants);
+        component->invariants_valid = true;
+    }
+}
+
 static void update_derivatives(Component *component) {
     if (!component->derivatives_valid) {
         const State *state = &component->state;
-        model_derivatives(state->x, state->u, state->p, component->dx);
+        update_invariants(component);
+        model_derivatives(state->x, state->u, state->p, component->invariants, component->dx);
         component->derivatives_valid = true;
     }
 }
@@ -173,7 +181,7 @@ static Status component_set_states(Component *component, const char *call, const
     if (n > 0) {
         memcpy(component->state.x, x, n * sizeof(double));
     }
-    invalidate(component);
+    invalidate_results(component);
     return STATUS_OK;
 }
 

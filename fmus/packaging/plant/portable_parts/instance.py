@@ -56,7 +56,7 @@ class Instance:
 
         Raises ValueError when a derivative is not finite with the initial values."""
         values, model = self._values, self._model
-        rates = model.derivatives(values.x, values.u, values.p)
+        rates = self._derivatives()
         for name, rate in zip(model.names[1 + len(values.x) :], rates, strict=False):
             if not isfinite(rate):
                 raise ValueError(f"{name!r} is {rate} with the initial values.")
@@ -65,7 +65,8 @@ class Instance:
     def do_step(self, current_time: float, step_size: float) -> None:
         """Step, or raise StepError and keep the values as they were."""
         values, model = self._values, self._model
-        problem = rodas5p.Problem(model, values.u, values.p, values.relative_tolerance)
+        invariants = model.invariants(values.u, values.p)
+        problem = rodas5p.Problem(model, values.u, values.p, invariants, values.relative_tolerance)
         if values.x:
             try:
                 values.x, values.substep = rodas5p.integrate(
@@ -82,11 +83,16 @@ class Instance:
         """Values by value reference."""
         values, model = self._values, self._model
         table = [values.time, *values.x]
-        table += model.derivatives(values.x, values.u, values.p)
+        table += self._derivatives()
         table += [*values.u, *model.outputs(values.x, values.u, values.p), *values.p]
         if unknown := [vr for vr in vrs if not 0 <= vr < len(table)]:
             raise ValueError(f"There is no variable with value reference {unknown[0]}.")
         return [table[reference] for reference in vrs]
+
+    def _derivatives(self) -> list[float]:
+        values, model = self._values, self._model
+        invariants = model.invariants(values.u, values.p)
+        return model.derivatives(values.x, values.u, values.p, invariants)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set states, inputs and parameters; raises ValueError for anything else, changes nothing

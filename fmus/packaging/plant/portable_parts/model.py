@@ -10,8 +10,9 @@ Vector = list[float]
 
 @dataclass(frozen=True)
 class Model:
-    """Tables and functions of (x, u, p) of one plant, `names` by value reference.
+    """Tables and functions of one plant, `names` by value reference.
 
+    `outputs` is of (x, u, p), derivatives and linearise are of (x, u, p, invariants(u, p)).
     `linearise` returns dx and the nonzeros of df/dx by columns; `factorise` of those nonzeros and
     [d] the factors of d·I − df/dx, the inverses of its pivots first; `solve` of factors and right
     side the solution.
@@ -28,8 +29,9 @@ class Model:
     n_outputs: int
     state_jacobian_rows: tuple[int, ...]
     relative_tolerance: float
-    derivatives: Callable[[Vector, Vector, Vector], Vector]
+    invariants: Callable[[Vector, Vector], Vector]
+    derivatives: Callable[[Vector, Vector, Vector, Vector], Vector]
     outputs: Callable[[Vector, Vector, Vector], Vector]
-    linearise: Callable[[Vector, Vector, Vector], tuple[Vector, Vector]]
+    linearise: Callable[[Vector, Vector, Vector, Vector], tuple[Vector, Vector]]
     factorise: Callable[[Vector, Vector], Vector]
     solve: Callable[[Vector, Vector], Vector]

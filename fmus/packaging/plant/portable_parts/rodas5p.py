@@ -61,6 +61,7 @@ C = (
     ),
 )
 SMALLEST_PIVOT = 1e-6
+SHARE = 0.25
 MAX_SUBSTEPS = 100_000
 
 
@@ -75,7 +76,16 @@ class Problem:
     model: Model
     u: Vector
     p: Vector
+    invariants: Vector
     relative_tolerance: float
+
+    def linearise(self, x: Vector) -> tuple[Vector, Vector]:
+        """f and the nonzeros of df/dx."""
+        return self.model.linearise(x, self.u, self.p, self.invariants)
+
+    def derivatives(self, x: Vector) -> Vector:
+        """f."""
+        return self.model.derivatives(x, self.u, self.p, self.invariants)
 
 
 def integrate(problem: Problem, duration: float, x: Vector, substep: float) -> tuple[Vector, float]:
@@ -85,7 +95,7 @@ def integrate(problem: Problem, duration: float, x: Vector, substep: float) -> t
     dx, jacobian = x, x
     while t < duration:
         if not rejected:
-            dx, jacobian = problem.model.linearise(x, problem.u, problem.p)
+            dx, jacobian = problem.linearise(x)
             _check_finite(problem.model, dx, jacobian, t)
         if attempts >= MAX_SUBSTEPS:
             raise IntegrationError(f"after {t:g} s of the step: the limit of substeps is reached")
@@ -147,7 +157,7 @@ def _attempt(
     argument = x
     for s in range(len(A)):
         argument = [_sum(value, A[s], stages, i) for i, value in enumerate(x)]
-        right = dx if s == 0 else model.derivatives(argument, problem.u, problem.p)
+        right = dx if s == 0 else problem.derivatives(argument)
         right = [r + _sum(0.0, C[s], stages, i) * rate for i, r in enumerate(right)]
         stages.append(model.solve(factors, right))
     candidate = [value + last for value, last in zip(argument, stages[-1], strict=True)]
@@ -173,7 +183,7 @@ def _error_norm(problem: Problem, x: Vector, candidate: Vector, error: Vector) -
     largest, worst = -1.0, 0
     for i, nominal in enumerate(problem.model.x_nominal):
         size = max(abs(x[i]), abs(candidate[i]))
-        part = abs(error[i]) / (problem.relative_tolerance * (nominal + size))
+        part = abs(error[i]) / (SHARE * problem.relative_tolerance * (nominal + size))
         if not (isfinite(part) and isfinite(candidate[i])):
             return inf, i
         if part > largest:
