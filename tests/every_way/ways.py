@@ -19,6 +19,7 @@ from harness.participants.track_data import read_inputs
 from tests.every_way.cases import Case
 from tests.every_way.plain_driver import drive
 from tests.every_way.plain_events import SECOND, Job, Steps
+from tests.loops import straight_code
 
 Rows = dict[str, list[Any]]
 
@@ -130,6 +131,11 @@ def by_bench(case: Case) -> Rows:
     return _run_bench(case, in_process=True)
 
 
+def by_straight_code(case: Case) -> Rows:
+    with straight_code():
+        return _run_bench(case, in_process=True)
+
+
 def by_worker(case: Case) -> Rows:
     return _run_bench(case, in_process=False)
 
@@ -209,10 +215,11 @@ def by_plain_driver(case: Case, wired: bool = False) -> Rows:
 WAYS: dict[str, Callable[[Case], Rows]] = {
     "simulate": by_simulate,
     "bench": by_bench,
+    "straight": by_straight_code,
     "worker": by_worker,
     "wires": by_wires,
     "doctor": by_doctor,
 }
 
-WIRED = frozenset({"bench", "worker", "wires"})
+WIRED = frozenset({"bench", "straight", "worker", "wires"})
 """The ways by which a clock is triggered by a wire: with the inputs, behind the row."""
