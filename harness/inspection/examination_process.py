@@ -2,10 +2,10 @@
 
 The checks of a kind of interface run one after the other in one worker, a copy of this process.
 Where it dies, hangs or takes too much memory, the check that ran then has failed, and a new worker
-goes on with the rest. What is compared between processes runs in a program of its own (`examiner`),
-since in copies of one process addresses and memory that was never set would look alike; this
-program also ends as programs do, through what the FMU does then. This module loads no library of
-the FMU itself, so whatever the FMU does, the caller lives.
+goes on with the rest. What is compared between processes, and memory, runs in a program of its own
+(`examiner`), since in copies of one process addresses and memory that was never set would look
+alike; this program also ends as programs do, through what the FMU does then. This module loads no
+library of the FMU itself, so whatever the FMU does, the caller lives.
 """
 
 from __future__ import annotations
@@ -26,7 +26,13 @@ from pathlib import Path
 from harness.errors import HarnessError, SimulationError
 from harness.fmi.binding.interface import MODEL_EXCHANGE, InterfaceType
 from harness.fmi.fmu import Fmu
-from harness.inspection.catalogue import CHECKS, CONTINUES_ELSEWHERE, ELSEWHERE, REPEATS_ELSEWHERE
+from harness.inspection.catalogue import (
+    CHECKS,
+    CONTINUES_ELSEWHERE,
+    ELSEWHERE,
+    REPEATS_ELSEWHERE,
+    SURVIVES,
+)
 from harness.inspection.finding import Finding, Verdict, VerdictError, failed, passed
 from harness.inspection.snapshots import left_behind
 from harness.inspection.subject import Subject
@@ -113,6 +119,7 @@ class Examination:
         for kind in CHECKS:
             tasks += [(kind, REPEATS_ELSEWHERE)] * (kind in digests)
             tasks += [(kind, CONTINUES_ELSEWHERE)] * left_behind(self.scratch, kind).exists()
+            tasks += [(kind, SURVIVES)] * any(f.interface_type == kind for f in before)
         for finding in self._settled(tasks, self._fresh):
             compare = finding.check == REPEATS_ELSEWHERE
             yield _compared(digests[finding.interface_type], finding) if compare else finding

@@ -12,7 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
 
@@ -29,6 +29,7 @@ from harness.master import host as hosts
 from harness.master.faults import explain
 from harness.master.growth import CouplingGrowth
 from harness.master.host import Host
+from harness.master.items import UnknownItems
 from harness.master.opened import descriptions_of
 from harness.master.plan.planner import Plan, Planner
 from harness.master.program.frame import Frame
@@ -40,6 +41,7 @@ from harness.participants.fresh import fresh
 from harness.participants.kinds import sampled
 from harness.participants.participant import Participant
 from harness.system.check import check
+from harness.system.enumerations import match_items
 from harness.system.graph import Endpoint, System
 from harness.system.lowering import DelayComponent, expand_arrays, lower
 
@@ -80,8 +82,10 @@ def plan_system(
     descriptions = descriptions_of(system, fmus)
     system = expand_arrays(system, descriptions)
     check(system, descriptions)
+    system, notes = match_items(system, descriptions)
     recorded = recorded_ports(system, descriptions, record)
-    return Planner(lower(system, descriptions), descriptions, recorded).plan()
+    plan = Planner(lower(system, descriptions), descriptions, recorded).plan()
+    return replace(plan, notes=(*notes, *plan.notes))
 
 
 def execute(
@@ -120,7 +124,7 @@ def execute(
                 participant.terminate()
     if verbose and plan.lowered.fmus and (unseen := left_out()):
         run.notes.append(unseen)
-    run.notes += filter(None, [run.growth.note()])
+    run.notes += filter(None, [run.growth.note(), *run.items.notes])
     end = system.stop_ns if fault is None else int(host.clock[INSTANT])
     notes = (*run.notes, *(note for p in run.participants.values() for note in p.notes))
     return Outcome(end, fault, time.perf_counter() - began, notes)
@@ -139,7 +143,9 @@ class _Run:
         self.system = plan.lowered.system
         self.participants: dict[str, Participant] = {}
         self.notes: list[str] = []
-        self.growth = CouplingGrowth(plan, descriptions_of(self.system, fmus))
+        descriptions = descriptions_of(self.system, fmus)
+        self.growth = CouplingGrowth(plan, descriptions)
+        self.items = UnknownItems(plan, descriptions)
         self.last = self.system.seconds(self.system.start_ns)
         host.clock[INSTANT] = self.system.start_ns
 
@@ -239,6 +245,7 @@ class _Run:
                 times, rows = in_time_order(times, rows)
             self.last = float(times[-1])
             self.growth.see(times, rows)
+            self.items.see(times, rows)
             self.recorder.append(times, rows)
 
     def _observe(self, name: str, time: float) -> None:

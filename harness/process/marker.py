@@ -74,9 +74,8 @@ class MessageRing:
     def put(self, component: str, message: LogMessage) -> bool:
         """Add a message, in the place of the oldest; whether it is time to take some."""
         status, category, text = message
-        parts = (component[:100], str(status), category[:100], text)
-        line = "\0".join(parts).encode("utf-8", "replace")[:_MESSAGE_BYTES]
-        number = self._count[0]
+        line = f"{component:.100}\0{status}\0{category:.100}\0{text}".encode("utf-8", "replace")
+        line, number = line[:_MESSAGE_BYTES], self._count[0]
         place = number % _MESSAGES
         start = place * _MESSAGE_BYTES
         self._memory[start : start + len(line)] = line
@@ -86,9 +85,10 @@ class MessageRing:
 
     def take(self) -> Iterator[tuple[str, LogMessage]]:
         """Components and messages that have come since."""
-        while self._taken[0] < self._count[0]:
-            yield self._at(self._taken[0])
-            self._taken[0] += 1
+        while self._taken[0] < (there := self._count[0]):
+            for number in range(self._taken[0], there):
+                yield self._at(number)
+                self._taken[0] = number + 1
 
     def last(self) -> list[str]:
         """The last ones, oldest first, as phrases for a sentence."""

@@ -101,9 +101,10 @@ class _Host(VisibleHost):
     def logged(self, component: str, message: LogMessage) -> None:
         """An FMU has logged something; with logging, none is lost."""
         messages = self._teller.marker.messages
-        if messages.put(component, message) and self._job.logging:
-            self._teller.tell(RunRecorder.take_messages)
+        due = messages.put(component, message)
         if self._job.logging:
+            if due:
+                self._teller.tell(RunRecorder.take_messages)
             while messages.full:
                 time.sleep(1e-3)
 

@@ -40,9 +40,7 @@ def expandable(form: bytes, arguments: int) -> bool:
     parsed = _directives(form)
     if parsed is None:
         return False
-    if b"s" not in parsed or not _inspectable():
-        return True
-    return _strings_readable(parsed, arguments)
+    return b"s" not in parsed or not _inspectable() or _strings_readable(parsed, arguments)
 
 
 @lru_cache(maxsize=1024)

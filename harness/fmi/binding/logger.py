@@ -17,9 +17,8 @@ import platform
 import sys
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 from harness.fmi.binding.formats import expandable
@@ -67,7 +66,7 @@ class MessageLog:
 
     def add(self, status: int, category: bytes | None, text: bytes | None) -> None:
         """Keep a message; anything that is no text is replaced, and no exception leaves."""
-        message = LogMessage(status, _decoded(category), _decoded(text).rstrip())
+        message = LogMessage(status, _category(category), _decoded(text).rstrip())
         self.count += 1
         self.messages.append(message)
         if self.echo is not None and _gate[0] >= 0:
@@ -85,6 +84,9 @@ class MessageLog:
 
 def _decoded(raw: bytes | None) -> str:
     return (raw or b"")[:LONGEST_MESSAGE].decode("utf-8", "replace")
+
+
+_category = lru_cache(maxsize=256)(_decoded)  # an FMU has few of them
 
 
 C_LIBRARY = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
@@ -141,10 +143,14 @@ def _receive(
 
 def _expanded(form: bytes, arguments: int) -> bytes:
     """A printf format with the va_list at address `arguments`, or as it is where that is unsafe."""
-    with suppress(Exception):
-        if b"%" in form and expandable(form, arguments):
+    if b"%" not in form:
+        return form
+    try:
+        if expandable(form, arguments):
             _expand(_text, LONGEST_MESSAGE, form, arguments)
             return _text.value
+    except Exception:  # none leaves a callback
+        return form
     return form
 
 
