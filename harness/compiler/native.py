@@ -114,14 +114,14 @@ def _lowered(step: FunctionType, block: Block, *, debug: bool) -> tuple[str, str
     """What numba makes of the step, not optimised, and the name of its entry in there."""
     try:
         with global_compiler_lock, _no_optimisation():
-            options = {"no_cpython_wrapper": True, "debug": debug}
+            options = {"debug": debug, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
             scope = {
                 **globals(),
-                "step": rebuilt(step, "native", {}, **options),
+                "step": rebuilt(step, "native", {}, debug=debug),
                 **dict(zip(("N_P", "N_X", "N_U", "N_Y"), sizes(block), strict=True)),
             }
             entry = FunctionType(_entry.__code__, scope, "native_entry")
-            make = njit(_SIGNATURE, error_model="numpy", no_cfunc_wrapper=True, **options)
+            make = njit(_SIGNATURE, error_model="numpy", **options)
             function = make(entry)
     except NumbaError as fault:
         raise CompileError(sentence(step, fault)) from fault

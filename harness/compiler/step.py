@@ -28,11 +28,12 @@ from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba import carray, njit, types
+from numba import carray, types
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 from harness.compiler.machine_code import cached_callback
+from harness.compiler.part import part
 from harness.errors import HarnessError
 from harness.system.block import Array, Block, StepFunction
 
@@ -97,12 +98,10 @@ def sizes(block: Block) -> tuple[int, ...]:
 _compiled: dict[str, Any] = {}
 _parts: dict[str, Any] = {}
 """What steps are made of, by fingerprint: what several have in common is compiled once."""
-_BARE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Parts of a step are called by compiled code alone."""
 
 
 def _compile(function: FunctionType, name: str) -> Any:
-    scope = {**globals(), "step": rebuilt(function, "", _parts, **_BARE)}
+    scope = {**globals(), "step": rebuilt(function, "", _parts)}
     entry = FunctionType(_entry.__code__, scope, name)
     entry.__qualname__, entry.__module__ = name, __name__
     entry.__dict__["called"] = f"{function.__module__}.{function.__name__}"
@@ -232,7 +231,7 @@ def rebuilt(function: FunctionType, step: str, done: dict[str, Any], **options: 
         plain = FunctionType(function.__code__, scope, own, function.__defaults__)
         plain.__qualname__ = own
         plain.__module__, plain.__kwdefaults__ = function.__module__, function.__kwdefaults__
-        done[key] = njit(plain, error_model="numpy", **options)
+        done[key] = part(plain, **options)
     return done[key]
 
 
