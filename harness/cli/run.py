@@ -52,7 +52,7 @@ def run_command(
         folder = output or registry.run_folder(loaded.name)
         if study or sweep:
             _announce(loaded)
-            _repeat(loaded, chosen, folder, jobs, study=study)
+            _repeat(loaded, tuple(variant or ()), folder, jobs, study=study)
         else:
             record = RunRecord(loaded, chosen, changed)
             record.write(folder)
@@ -116,7 +116,7 @@ def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> Non
 def _repeat(
     loaded: Experiment, variants: tuple[str, ...], folder: Path, jobs: int, *, study: bool
 ) -> None:
-    """The study of all variants, or the sweep of some."""
+    """The study or the sweep of some variants, of those that the file names where none are."""
     from harness.experiment.parallel import Workers
     from harness.experiment.study import run_study, study_tables
     from harness.experiment.sweep import run_sweep, write_sweep
@@ -125,7 +125,7 @@ def _repeat(
     check_free(folder, "study.csv" if study else "regions.csv")
     with bar("study" if study else "sweep") as moved, Workers(jobs, isolated=True) as workers:
         if study:
-            found = run_study(loaded, workers=workers, progress=moved)
+            found = run_study(loaded, variants, workers=workers, progress=moved)
         else:
             regions = run_sweep(loaded, variants, workers=workers, progress=moved)
     if study:
@@ -134,6 +134,10 @@ def _repeat(
     else:
         for name, region in regions.items():
             say(f"{loaded.label(name)}: {100 * region.share:.1f} % of the points inside")
+            if region.least is not None:
+                x, y, outcome = region.least
+                where = f"{region.spec.x.key} = {x:.6g}, {region.spec.y.key} = {y:.6g}"
+                say(f"  least {region.spec.outcome}: {outcome:.4g} at {where}")
         written = write_sweep(loaded, regions, folder)
     for path in written:
         say(f"written: {path}")

@@ -101,7 +101,7 @@ def run_study(
             for settings in [level_settings(experiment, levels, value)]
         ]
     found = run_points(
-        experiment, variants or experiment.variants, rows, _or_lost,
+        experiment, variants or study.spec.variants or experiment.variants, rows, _or_lost,
         workers=workers, progress=progress,
     )  # fmt: skip
     at = [

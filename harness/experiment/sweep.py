@@ -41,6 +41,14 @@ class Region:
         return np.asarray(self.outcome < self.spec.below)
 
     @property
+    def least(self) -> tuple[float, float, float] | None:
+        """x, y and outcome of the point with the least outcome; None where none has one."""
+        if np.isnan(self.outcome).all():
+            return None
+        i, j = np.unravel_index(int(np.nanargmin(self.outcome)), self.outcome.shape)
+        return self.spec.x.values[j], self.spec.y.values[i], float(self.outcome[i, j])
+
+    @property
     def share(self) -> float:
         """The share of points inside, 0 to 1."""
         return float(np.mean(self.inside))
@@ -61,7 +69,7 @@ def run_sweep(
     rows = [
         [_point(experiment, spec, i, j) for j in range(spec.x.count)] for i in range(spec.y.count)
     ]
-    chosen, figure = variants or experiment.variants, partial(_outcome, experiment)
+    chosen, figure = variants or spec.variants or experiment.variants, partial(_outcome, experiment)
     found = run_points(experiment, chosen, rows, figure, workers=workers, progress=progress)
     shape = (spec.y.count, spec.x.count)
     return {v: Region(v, spec, np.reshape(outcome, shape)) for v, outcome in found.items()}
@@ -75,7 +83,8 @@ def _spec(experiment: Experiment) -> SweepSpec:
 
 def _point(experiment: Experiment, spec: SweepSpec, i: int, j: int) -> Point:
     """The run at y value i and x value j."""
-    seed = experiment.spec.seed + (i * spec.x.count + j if spec.own_seeds else 0)
+    first = experiment.spec.seed if spec.seed is None else spec.seed
+    seed = first + (i * spec.x.count + j if spec.own_seeds else 0)
     settings = ((spec.x.key, spec.x.values[j]), (spec.y.key, spec.y.values[i]))
     return Point(f"point ({i}, {j})", seed, settings)
 
