@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def repeat(record: RunRecord, folder: Path, jobs: int) -> None:
-    """The study of all variants, or the sweep of some, into `folder`; what it has is not run again.
+    """The study or the sweep of some variants, into `folder`; what it has is not run again.
 
     Where it ends early, what was done is shown and stays, and `resume` goes on with it.
     """
@@ -31,13 +31,10 @@ def repeat(record: RunRecord, folder: Path, jobs: int) -> None:
     manifest = record.manifest(folder)
     manifest.write(folder)
     early: KeyboardInterrupt | HarnessError | None = None
-    run: Callable[..., Any] = run_study
-    given: tuple[Any, ...] = (loaded,)
-    if record.kind == "sweep":
-        run, given = run_sweep, (loaded, record.variants)
+    run: Callable[..., Any] = run_study if record.kind == "study" else run_sweep
     try:
         with bar(record.kind) as moved, Workers(jobs, isolated=True) as workers:
-            found = run(*given, workers=workers, progress=moved, journal=journal)
+            found = run(loaded, record.variants, workers=workers, progress=moved, journal=journal)
     except (KeyboardInterrupt, HarnessError) as fault:
         early, found = fault, getattr(fault, "result", None)
     if found is not None and journal.found:
@@ -66,6 +63,10 @@ def _show(record: RunRecord, found: Any, folder: Path) -> None:
             share = f"{100 * region.share:.1f} %" if region.done.any() else "none"
             part = "" if region.done.all() else f" ({region.done.sum()} of {region.done.size} done)"
             say(f"{loaded.label(name)}: {share} of the points inside{part}")
+            if region.least is not None:
+                x, y, outcome = region.least
+                where = f"{region.spec.x.key} = {x:.6g}, {region.spec.y.key} = {y:.6g}"
+                say(f"  least {region.spec.outcome}: {outcome:.4g} at {where}")
         written = write_sweep(loaded, found, folder)
     for path in written:
         say(f"written: {path}")

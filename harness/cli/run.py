@@ -46,10 +46,12 @@ def run_command(
     pairs = options.for_fmus(set_, validate, compile_)
     changed = options.settings(pairs, {"limits": {**limits, "isolate": isolate or None}})
     with options.opened_experiment(experiment, changed) as loaded:
-        chosen = tuple(variant or loaded.variants)
+        kind = "study" if study else "sweep" if sweep else "run"
+        part = loaded.spec.study if study else loaded.spec.sweep if sweep else None
+        own = part.variants if part is not None else ()
+        chosen = tuple(variant or own or loaded.variants)
         check_experiment(loaded, chosen)
         folder = output or registry.run_folder(loaded.name)
-        kind = "study" if study else "sweep" if sweep else "run"
         record = RunRecord(loaded, chosen, changed, kind)
         record.write(folder)
         _finish(record, folder, jobs=jobs, logging=fmi_logging)

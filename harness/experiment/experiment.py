@@ -63,8 +63,10 @@ class Experiment:
         if study is not None and study.fast is not None:
             settings["study"] = {"seeds": study.fast.seeds}
             if study.levels is not None:
-                ends = {study.levels.values[0], study.levels.nominal, study.levels.values[-1]}
-                settings["study"]["levels"] = {"values": sorted(ends)}
+                first, *_, last = study.levels.values
+                nominal = study.levels.nominal
+                ends = sorted({first, nominal} if first != nominal else {nominal, last})
+                settings["study"]["levels"] = {"values": ends}
         if sweep is not None and sweep.fast is not None:
             counts = {"x": {"count": sweep.fast.x}, "y": {"count": sweep.fast.y}}
             settings["sweep"] = {"spacing": 1, **counts}
@@ -152,6 +154,8 @@ class Experiment:
     def _check_names(self) -> None:
         spec = self.spec
         named = [] if spec.study is None else [("study.baseline", spec.study.baseline)]
+        for table, part in (("study", spec.study), ("sweep", spec.sweep)):
+            named += [(f"{table}.variants", one) for one in (part.variants if part else ())]
         for name, plot in spec.plots.items():
             named += [(f"plots.{name}.variants", variant) for variant in plot.variants]
         for key, variant in named:

@@ -130,14 +130,18 @@ class _Run:
     report: Report | None
 
     def all(self) -> tuple[Evidence, tuple[Path, ...]]:
-        """Every variant with its pictures, the study and the sweep."""
-        results = self._results(self.experiment.variants)
-        written = write_report(self.experiment, results, self.folder)
+        """The variants with their pictures, the study and the sweep."""
+        spec = self.experiment.spec
+        results, written = {}, []
+        if spec.study is None or not spec.study.alone:
+            named = () if spec.study is None else spec.study.variants
+            results = self._results(named or self.experiment.variants)
+            written = write_report(self.experiment, results, self.folder)
         study, regions = None, {}
         if self.experiment.spec.study is not None:
-            study = self._study(self.experiment.variants)
+            study = self._study(())
         if self.experiment.spec.sweep is not None:
-            regions = self._regions(self.experiment.variants)
+            regions = self._regions(())
             written += write_sweep(self.experiment, regions, self.folder)
         metrics = {variant: dict(result.metrics) for variant, result in results.items()}
         pictures = tuple(path for path in written if path.suffix == ".png")

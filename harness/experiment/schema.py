@@ -204,7 +204,9 @@ class SweepSpec(Strict):
     is below `below`. A run that ends early is outside. With `own_seeds` each point has noise of its
     own, the same for all variants; else one realisation decides the whole picture. With `spacing`
     s, every s-th point of both axes is run, and those between near the border of the region only.
-    `fast` is the grid of the fast subset, all of which is run; without it that has this grid."""
+    `fast` is the grid of the fast subset, all of which is run; without it that has this grid.
+    `seed` is that of the first point, where it is not the experiment's. `variants` names those that
+    take part; all do where it names none."""
 
     outcome: str
     below: float
@@ -213,6 +215,8 @@ class SweepSpec(Strict):
     x: AxisSpec
     y: AxisSpec
     fast: FastSweepSpec | None = None
+    seed: int | None = Field(default=None, ge=0)
+    variants: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _spacing_fits(self) -> Self:
@@ -251,7 +255,7 @@ class FastStudySpec(Strict):
 class LevelsSpec(Strict):
     """A study repeated at each of `values` of a `quantity`, which the settings `keys` are set to,
     or with `factor` the values that the file gives them are multiplied by. At the value `nominal`
-    the experiment is what the file says. The fast subset has the two ends and the nominal one."""
+    the experiment is what the file says. The fast subset has that one and an end."""
 
     quantity: str
     unit: str = "1"
@@ -272,7 +276,9 @@ class LevelsSpec(Strict):
 class StudySpec(Strict):
     """Repetition over seeds: `seeds` runs from the experiment's seed on; differences of
     `metrics` are taken against the variant `baseline`. `fast` says how many seeds the fast subset
-    has; without it that has all. With `levels` all of it is repeated at each of them."""
+    has; without it that has all. With `levels` all of it is repeated at each of them. `variants`
+    names those that take part; all do where it names none. With `alone` no single runs are drawn
+    beside it when a paper is reproduced."""
 
     seeds: int = Field(ge=2)
     baseline: str
@@ -280,6 +286,8 @@ class StudySpec(Strict):
     confidence: float = Field(default=0.95, gt=0.0, lt=1.0)
     fast: FastStudySpec | None = None
     levels: LevelsSpec | None = None
+    variants: tuple[str, ...] = ()
+    alone: bool = False
 
 
 class LimitsSpec(Strict):

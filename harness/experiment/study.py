@@ -107,8 +107,8 @@ def run_study(
     as it was done.
     """
     check_metrics(experiment)
-    journal, chosen = journal or Journal(), variants or experiment.variants
-    study = Study(experiment, (), {})
+    study, journal = Study(experiment, (), {}), journal or Journal()
+    chosen = variants or study.spec.variants or experiment.variants
     seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
     levels = study.spec.levels
     values = (None,) if levels is None else levels.values
@@ -189,10 +189,10 @@ def study_tables(experiment: Experiment, study: Study) -> list[Table]:
             *(median([run.get(metric) for run in runs]) for metric in spec.metrics),
             _lost(study, variant) if runs else "–",
         )
-        if variant != spec.baseline:
+        if variant != spec.baseline and spec.baseline in study.runs:
             cells = [_difference(study, variant, metric) for metric in spec.metrics]
             differences.add_row(experiment.label(variant), *cells)
-    return [means, differences]
+    return [means, differences] if differences.row_count else [means]
 
 
 def _lost(study: Study, variant: str) -> str:

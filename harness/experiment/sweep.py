@@ -55,6 +55,14 @@ class Region:
         return np.asarray(self.outcome < self.spec.below)
 
     @property
+    def least(self) -> tuple[float, float, float] | None:
+        """x, y and outcome of the point with the least outcome; None where none has one."""
+        if np.isnan(self.outcome).all():
+            return None
+        i, j = np.unravel_index(int(np.nanargmin(self.outcome)), self.outcome.shape)
+        return self.spec.x.values[j], self.spec.y.values[i], float(self.outcome[i, j])
+
+    @property
     def share(self) -> float:
         """The share of points inside among those done, 0 to 1; NaN where there are none."""
         return float(np.mean(self.inside[self.done])) if self.done.any() else float("nan")
@@ -76,7 +84,8 @@ def run_sweep(
     """
     check_metrics(experiment)
     journal, spec = journal or Journal(), _spec(experiment)
-    chosen, shape = variants or experiment.variants, (spec.y.count, spec.x.count)
+    chosen = variants or spec.variants or experiment.variants
+    shape = (spec.y.count, spec.x.count)
     levels = spec.spacing.bit_length()
 
     def run(places: Sequence[tuple[int, int]], done: float) -> NDArray[np.float64]:
@@ -124,7 +133,8 @@ def _spec(experiment: Experiment) -> SweepSpec:
 
 def _point(experiment: Experiment, spec: SweepSpec, i: int, j: int) -> Point:
     """The run at y value i and x value j."""
-    seed = experiment.spec.seed + (i * spec.x.count + j if spec.own_seeds else 0)
+    first = experiment.spec.seed if spec.seed is None else spec.seed
+    seed = first + (i * spec.x.count + j if spec.own_seeds else 0)
     settings = ((spec.x.key, spec.x.values[j]), (spec.y.key, spec.y.values[i]))
     return Point(f"point ({i}, {j})", seed, settings)
 

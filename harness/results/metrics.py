@@ -190,6 +190,12 @@ def rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values * values)))
 
 
+def largest_fall(values: Array) -> float:
+    """max_k (max_{j ≤ k} v_j − v_k): how far the values fall from what they had reached; 0 where
+    they only rise."""
+    return float(np.max(np.maximum.accumulate(values) - values))
+
+
 FIGURES: dict[str, Callable[[Array], float]] = {
     "rms": rms,
     "mean": lambda values: float(np.mean(values)),
@@ -197,6 +203,7 @@ FIGURES: dict[str, Callable[[Array], float]] = {
     "max_abs": lambda values: float(np.max(np.abs(values))),
     "std": lambda values: float(np.std(values)),
     "final": lambda values: float(values[-1]),
+    "largest_fall": largest_fall,
     "final_abs": lambda values: float(abs(values[-1])),
 }
 """The kinds of `[metrics]` in an experiment file: one number of the values of a window, (n,)."""

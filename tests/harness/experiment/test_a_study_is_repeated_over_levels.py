@@ -34,11 +34,12 @@ def test_a_factor_multiplies_what_the_file_gives(tmp_path: Path) -> None:
     assert study.levels[2.0].runs == run_study(load(tmp_path, AT_A_TENTH)).runs
 
 
-def test_the_fast_subset_has_the_ends_and_the_nominal_level(tmp_path: Path) -> None:
-    text = TEXT.replace("[0.0, 0.05, 0.1]", "[0.0, 0.02, 0.05, 0.08, 0.1]")
-    levels = load(tmp_path, text).fast().spec.study
-    assert levels is not None and levels.levels is not None
-    assert levels.levels.values == (0.0, 0.05, 0.1)
+def test_the_fast_subset_has_the_nominal_level_and_an_end(tmp_path: Path) -> None:
+    for nominal, values in ((0.05, (0.0, 0.05)), (0.0, (0.0, 0.1))):
+        text = TEXT.replace("nominal = 0.05", f"nominal = {nominal}")
+        study = load(tmp_path, text).fast().spec.study
+        assert study is not None and study.levels is not None
+        assert study.levels.values == values
 
 
 @pytest.mark.parametrize(

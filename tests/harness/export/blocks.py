@@ -27,6 +27,7 @@ EXAMPLES = {
     "identifier": ("barragan/narendra_parthasarathy", "least_squares", "identifier"),
     "kalman_bucy": ("takata/figure_3", "aaccf", "filter"),
     "lq_regulator": ("takata/figure_3", "loc", "controller"),
+    "lqg_servo": ("ahn2009/figure_7", "lqg", "controller"),
     "luenberger": ("serkies2013/observers", "noisy", "fast"),
     "narendra_parthasarathy": ("barragan/narendra_parthasarathy", "linear", "plant"),
     "pid": ("ahn2009/figure_7", "pid", "controller"),
