@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli.options import AsJson, Compile, FmuFile, Validate
-from harness.cli.terminal import bar, console, say, say_json, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import bar, say, say_json, table
 from harness.errors import HarnessError, UsageError
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def doctor_command(
 def _show(found: Diagnosis) -> None:
     from rich.text import Text
 
-    out, head = console(), f"{found.path.name}, FMI {found.description.fmi_version}"
+    head = f"{found.path.name}, FMI {found.description.fmi_version}"
     for kind in dict.fromkeys(f.interface_type for f in found.findings):
         findings = (
             (f.check, Text(str(f.verdict), style=_STYLES[str(f.verdict)]), f.detail)
@@ -54,9 +55,9 @@ def _show(found: Diagnosis) -> None:
             if f.interface_type == kind
         )
         headings = ("check", "verdict", "what was seen")
-        out.print(table(headings, findings, title=f"{head}, {kind}"))
+        show_table(table(headings, findings, title=f"{head}, {kind}"))
     words = {True: Text("yes", style="green"), False: Text("no", style="bold red")}
     allowances = ((a.use, words[a.allowed], a.reason) for a in found.allowances)
-    out.print(table(("use", "allowed", "because of"), allowances))
+    show_table(table(("use", "allowed", "because of"), allowances))
     for lie in found.lies:
         say(f"contradicted by its behaviour: {lie}", style="bold red")

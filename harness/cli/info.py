@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from harness.cli.options import AsJson, Compile, FmuFile, Validate
-from harness.cli.terminal import console, properties
+from harness.cli.tables import show_table
+from harness.cli.terminal import properties
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -47,7 +48,7 @@ def info_command(
         origin = {"sha256": sha256, "platforms": platforms, "notes": opened.notes}
         print(_as_json(origin | data))
         return
-    console().print(_identity(description, sha256, platforms))
+    show_table(_identity(description, sha256, platforms))
     for rows in (_clocks(description), _terminals(description), _variables(description)):
         _show(rows)
 

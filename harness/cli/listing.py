@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from harness import registry
-from harness.cli.terminal import console, properties
+from harness.cli.tables import show_table
+from harness.cli.terminal import properties
 
 
 def list_command() -> None:
@@ -24,7 +25,7 @@ def list_command() -> None:
         "imperfections of wires": {name: _first_line(k) for name, k in IMPERFECTIONS.items()},
     }
     for title, rows in tables.items():
-        console().print(properties(title, rows.items()))
+        show_table(properties(title, rows.items()))
 
 
 def _first_line(thing: Any) -> str:

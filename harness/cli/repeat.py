@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from harness.cli.terminal import bar, console, say
+from harness.cli.tables import show_table
+from harness.cli.terminal import bar, say
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def _show(record: RunRecord, found: Any, folder: Path) -> None:
 
     loaded = record.experiment
     if record.kind == "study":
-        console().print(*study_tables(loaded, found), sep="\n")
+        show_table(*study_tables(loaded, found))
         written = [found.write(folder)]
     else:
         for name, region in found.items():

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from harness import registry
-from harness.cli.terminal import bar, console, note, say, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import bar, note, say, table
 from harness.errors import UsageError
 
 FAST = (
@@ -55,7 +56,7 @@ def reproduce_command(
                 moved(1.0)
             headings, *rows = (row[:5] for row in pages.verdict_rows(done))
             title = paper.claims.paper
-            console().print(table(headings, rows, title=title, box=box.HEAVY_HEAD))
+            show_table(table(headings, rows, title=title, box=box.HEAVY_HEAD))
             say(pages.note(done))
             written = [pages.write_page(done, folder)]
             if update:

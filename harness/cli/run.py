@@ -11,7 +11,8 @@ import typer
 
 from harness import registry
 from harness.cli import options
-from harness.cli.terminal import bar, console, echo, say
+from harness.cli.tables import show_table
+from harness.cli.terminal import bar, echo, say
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> Non
     for note in (note for result in results.values() for note in result.manifest.notes):
         warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())
-    console().print(metrics_table(loaded, results) if judged else signals_table(loaded, results))
+    show_table(metrics_table(loaded, results) if judged else signals_table(loaded, results))
     for path in write_report(loaded, results, folder):
         say(f"written: {path}")
     if faults:

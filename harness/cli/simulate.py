@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from harness.cli import options
-from harness.cli.terminal import bar, console, echo, note, say, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import bar, echo, note, say, table
 from harness.errors import HarnessError
 from harness.interrupts import TerminatedError
 
@@ -163,7 +164,7 @@ def _summary(result: Result) -> None:
         rows.append((name, *cells))
     headings = ("variable", "first", "last", "smallest", "largest", "unit")
     title = f"{_instance(result, ', {}')}, {len(result.time)} rows"
-    console().print(table(headings, rows, title=title, right=headings[1:-1]))
+    show_table(table(headings, rows, title=title, right=headings[1:-1]))
     if len(result.names) > _SHOWN:
         say(f"… {len(result.names) - _SHOWN} more variables")
 
@@ -200,7 +201,7 @@ def _validate(result: Result, path: Path, time_band: float | None, value_band: f
         verdict = "agrees" if one.agrees else f"leaves the band at {one.first_outside} s"
         rows.append((one.name, f"{one.inside} of {one.judged}", f"{one.largest:.3g}", verdict))
     title = f"band: {band.time:g} s in time, {100 * band.relative:g} % of the range in value"
-    console().print(table(headings, rows, title=title, right=headings[1:]))
+    show_table(table(headings, rows, title=title, right=headings[1:]))
     wrong = [one for one in found if not one.agrees]
     if wrong:
         raise HarnessError(

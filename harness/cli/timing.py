@@ -17,7 +17,8 @@ from harness.cli.options import (
     opened_experiment,
     settings,
 )
-from harness.cli.terminal import console, say, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import say, table
 from harness.clock import show
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def timing_command(
     say(f"{loaded.name} ({loaded.label(chosen)}), one cycle of {show(plan.cycle_ns)}:")
     _print_schedule(plan)
     for source, arrivals in delays.items():
-        console().print(_delays(source, arrivals))
+        show_table(_delays(source, arrivals))
 
 
 def _print_schedule(plan: Plan) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from harness.cli.options import AsJson, FmuFile
-from harness.cli.terminal import console, say, say_json, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import say, say_json, table
 from harness.errors import HarnessError
 
 _STYLES = {"error": "bold red", "warning": "yellow", "note": "dim"}
@@ -26,7 +27,7 @@ def validate_command(fmu: FmuFile, as_json: AsJson = False) -> None:
             (Text(str(p.severity), style=_STYLES[str(p.severity)]), p.place, p.text, p.rule)
             for p in problems
         )
-        console().print(table(("severity", "where", "what", "by"), rows))
+        show_table(table(("severity", "where", "what", "by"), rows))
     else:
         say(f"{fmu}: no problems found")
     errors = sum(p.severity is Severity.ERROR for p in problems)

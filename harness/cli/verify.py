@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from harness.cli import options
-from harness.cli.terminal import console, say, table
+from harness.cli.tables import show_table
+from harness.cli.terminal import say, table
 from harness.errors import HarnessError
 
 _SHOWN = 12
@@ -36,7 +37,7 @@ def verify_command(
         row = (found.difference[name], certificate.difference.get(name), found.allowed[name])
         rows.append((name, *("–" if value is None else f"{value:.3g}" for value in row)))
     headings = ("output", "difference here", "where it was made", "allowed")
-    console().print(table(headings, rows, right=headings[1:]))
+    show_table(table(headings, rows, right=headings[1:]))
     if len(ranked) > _SHOWN:
         say(f"and {len(ranked) - _SHOWN} more outputs, none further off")
     made = ", ".join(f"{name} {version}" for name, version in certificate.made_with.items())
