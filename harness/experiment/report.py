@@ -101,7 +101,9 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
     drawn: dict[str, Figure] = {}
     if spec.measure is not None:
         m = spec.measure
-        drawn["response"] = overview_plot(labelled, m.response, m.reference, m.control, title=title)
+        some = {experiment.label(v): r for v, r in results.items() if v in (m.variants or results)}
+        ends = m.response, m.reference, m.control
+        drawn["response"] = overview_plot(some or labelled, *ends, title=title)
     elif not spec.plots:
         for name, result in results.items():  # a label would make a poor file name
             drawn[name] = result.plot(title=f"{title}\n{experiment.label(name)}")

@@ -136,7 +136,8 @@ class MeasureSpec(Strict):
 
     `window_time` states the final window in seconds instead; a response has settled when it has
     stayed in the band for `dwell` seconds at least. `measured` is the response as the controller
-    sees it; its error is reported besides.
+    sees it; its error is reported besides. `variants` are those that the picture of the response
+    shows, all where none are named.
     """
 
     reference: str
@@ -147,6 +148,7 @@ class MeasureSpec(Strict):
     window: float = 0.1
     window_time: float | None = Field(default=None, gt=0.0)
     dwell: float = Field(default=0.0, ge=0.0)
+    variants: tuple[str, ...] = ()
 
 
 class MetricSpec(Strict):

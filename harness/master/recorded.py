@@ -68,6 +68,7 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
     descriptions = descriptions_of(plan.lowered.system, fmus)
     system = plan.lowered.system
     sources = {c.target: c.source for c in system.connections}
+    held = {c.target for c in system.connections if not c.extrapolation}
     ports = {
         Endpoint(c.name, name): info
         for c in system.components
@@ -96,12 +97,21 @@ def columns_of(plan: Plan, fmus: Mapping[str, Fmu]) -> tuple[Column, ...]:
         d = descriptions.get(end.component)
         return () if d is None else d.port(end.variable).details.items
 
+    def is_held(end: Endpoint) -> bool:
+        """Whether it changes at samples only: what is sampled, and what comes in by a held wire."""
+        return end.component not in descriptions or end in held
+
     def name_of(end: Endpoint) -> str:
         return bare_name(end.component, end.variable) if system.single else str(end)
 
     return tuple(
         Column(
-            name_of(end), unit_of(end), ports[end].description, type_of(end), items=items_of(end)
+            name_of(end),
+            unit_of(end),
+            ports[end].description,
+            type_of(end),
+            is_held(end),
+            items_of(end),
         )
         for end in plan.recorded
     )

@@ -44,8 +44,9 @@ def line_style(index: int) -> dict[str, Any]:
 
 
 def axis_label(quantity: str, unit: str) -> str:
-    """ "force (N)"; the unit 1 is written as a dash, since nothing is measured in ones."""
-    return f"{quantity} ({'–' if unit in ('', '1') else unit})"
+    """ "force (N)"; the unit 1 is written as a dash, since nothing is measured in ones, and a unit
+    that is not known not at all."""
+    return f"{quantity} ({'–' if unit == '1' else unit})" if unit else quantity
 
 
 def panels(
@@ -85,16 +86,18 @@ def overview_plot(
     variants: Variants, response: str, reference: str, control: str, *, title: str = ""
 ) -> Figure:
     """Above each other, with one legend: the response of every variant over the reference (of the
-    first variant), the error reference − response, and the control, held between its samples."""
+    first variant), the error reference − response, and the control; what is held between its
+    samples is drawn as steps."""
     first = next(iter(_some(variants).values()))
     figure, (top, middle, bottom) = panels(3, title)
     middle.axhline(0.0, color="0.4", linewidth=0.8)
     for index, (name, result) in enumerate(variants.items()):
-        style, y = line_style(index), result.numbers(response)
+        style, y = line_style(index) | _held(result, response), result.numbers(response)
         top.plot(result.time, y, label=name, **style)
         middle.plot(result.time, result.numbers(reference) - y, label=name, **style)
-        bottom.plot(result.time, result.numbers(control), label=name, **style | STEPS)
-    held = REFERENCE_STYLE | STEPS
+        style = line_style(index) | _held(result, control)
+        bottom.plot(result.time, result.numbers(control), label=name, **style)
+    held = REFERENCE_STYLE | _held(first, reference)
     top.plot(first.time, first.numbers(reference), label="reference", **held)
     top.set_ylabel(axis_label(quantity(response), first.unit(response)))
     middle.set_ylabel(axis_label("error", first.unit(response)))
@@ -113,7 +116,7 @@ def gains_plot(variants: Variants, signals: Sequence[str], *, title: str = "") -
         for index, (name, result) in enumerate(_some(variants).items()):
             if signal in result:
                 unit = result.unit(signal)
-                style = line_style(index) | STEPS
+                style = line_style(index) | _held(result, signal)
                 panel.plot(result.time, result.numbers(signal), label=name, **style)
         if unit is None:
             raise UsageError(f"no variant recorded {signal!r}; nothing can be drawn of it")
@@ -133,7 +136,8 @@ def legend_of_all(figure: Figure, axes: Iterable[Axes], columns: int = 5) -> Non
 
 def signals_plot(result: Trajectory, names: Sequence[str], *, title: str = "") -> Figure:
     """The named signals of one run over time, a panel for each unit and at most 5 of its signals;
-    what is held is drawn as steps, and what jumps at an event as a jump."""
+    what is held is drawn as steps, and what jumps at an event as a jump. Later curves are thinner,
+    so that the two ends of a wire are both seen."""
     by_unit: dict[str, list[str]] = {}
     for name in names:
         by_unit.setdefault(result.unit(name), []).append(name)
@@ -147,7 +151,8 @@ def signals_plot(result: Trajectory, names: Sequence[str], *, title: str = "") -
     figure, axes = panels(len(groups), title)
     for (unit, shown), panel in zip(groups, axes, strict=True):
         for index, name in enumerate(shown):
-            style = line_style(index) | ({} if result.column(name).continuous else STEPS)
+            style = line_style(index) | _held(result, name)
+            style["linewidth"] += 0.8 * (len(shown) - 1 - index)  # equal ones show below each other
             panel.plot(result.time, result.numbers(name), label=name, **style)
         panel.set_ylabel(axis_label("value" if len(shown) > 1 else quantity(shown[0]), unit))
         legend(panel)
@@ -179,6 +184,10 @@ def _some(variants: Variants) -> Variants:
     if not variants:
         raise UsageError("no variant was given: nothing can be drawn")
     return variants
+
+
+def _held(result: Trajectory, name: str) -> dict[str, Any]:
+    return {} if result.column(name).continuous else STEPS
 
 
 def quantity(name: str) -> str:

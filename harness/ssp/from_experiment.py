@@ -212,6 +212,9 @@ class _Exporter:
 def _only(settings: Table, variants: tuple[str, ...]) -> None:
     """Leave out what is about variants that are not exported: their plots, and a study whose
     baseline is one of them."""
+    measure = settings.get("measure", {})
+    if "variants" in measure:
+        measure["variants"] = tuple(one for one in measure["variants"] if one in variants)
     plots = settings.get("plots", {})
     for name, plot in list(plots.items()):
         if plot.get("variants"):
