@@ -71,7 +71,7 @@ def test_instances_are_freed_after_an_interrupt() -> None:
 @pytest.mark.parametrize(
     ("result", "words"),
     [
-        ("three", "could not convert string to float"),
+        ("three", "must be real number, not str"),
         (None, "NoneType"),
         (float("nan"), "output worker.u is nan at t = 0 s"),
     ],
