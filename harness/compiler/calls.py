@@ -19,29 +19,31 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-def _calling(bits: int, returned: Any) -> Any:
-    """A call of a function that returns an integer of so many bits."""
+def calling(result: Any, returned: Any) -> Any:
+    """An intrinsic that calls a function by address: its arguments are the address and a tuple of
+    int64, int32 and float64; `result` is what C returns, `returned` what numba takes that for."""
 
     @intrinsic  # type: ignore[untyped-decorator]
     def call(typingctx: Any, address: Any, arguments: Any) -> Any:
         kinds = list(arguments)
-        if not all(kind in (types.int64, types.float64) for kind in kinds):
-            raise TypeError(f"arguments are int64 and float64, not {kinds}")
+        if not all(kind in (types.int64, types.int32, types.float64) for kind in kinds):
+            raise TypeError(f"arguments are int64, int32 and float64, not {kinds}")
 
         def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             target, packed = args
             values = cgutils.unpack_tuple(builder, packed, len(kinds))
-            kind = ir.FunctionType(ir.IntType(bits), [value.type for value in values])
-            return builder.call(builder.inttoptr(target, ir.PointerType(kind)), values)
+            kind = ir.FunctionType(result, [value.type for value in values])
+            found = builder.call(builder.inttoptr(target, ir.PointerType(kind)), values)
+            return context.get_dummy_value() if returned == types.void else found
 
         return returned(types.int64, arguments), generate
 
     return call
 
 
-call_status: Callable[[int, tuple[int | float, ...]], int] = _calling(32, types.int32)
+call_status: Callable[[int, tuple[int | float, ...]], int] = calling(ir.IntType(32), types.int32)
 """`int32 status = (*address)(*arguments)`; arguments is a tuple of int64 and float64."""
-call_outcome: Callable[[int, tuple[int | float, ...]], int] = _calling(64, types.int64)
+call_outcome: Callable[[int, tuple[int | float, ...]], int] = calling(ir.IntType(64), types.int64)
 """The same of a function that returns an int64."""
 
 

@@ -154,7 +154,11 @@ class Experiment:
     def _check_names(self) -> None:
         spec = self.spec
         named = [] if spec.study is None else [("study.baseline", spec.study.baseline)]
-        for table, part in (("study", spec.study), ("sweep", spec.sweep), ("measure", spec.measure)):
+        for table, part in (
+            ("study", spec.study),
+            ("sweep", spec.sweep),
+            ("measure", spec.measure),
+        ):
             named += [(f"{table}.variants", one) for one in (part.variants if part else ())]
         for name, plot in spec.plots.items():
             named += [(f"plots.{name}.variants", variant) for variant in plot.variants]

@@ -13,12 +13,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.clock import NANOSECONDS
 from harness.compiler import operations as op
-from harness.compiler.operations import INSTANT
-from harness.participants.context import FAULT
+from harness.compiler.python_call import PythonCall
 from harness.participants.memory import Cell, Memory, Row, loaded, raw
 from harness.participants.participant import Participant
 from harness.system.block import BlockSignal
@@ -42,45 +40,38 @@ class PythonParticipant(Participant):
 
     def compute(self) -> Iterator[Row]:
         """Call it, and look whether what it gave is finite."""
-        yield [op.CALL_4, self.memory.function(self._wrap()), 0, 0, 0, 0]
+        call = self._bound()
+        self.memory.lives.append(call)
+        yield [op.CALL_2, call.address, call.context, 0]
         reals = [slot for slot, cell in self._outputs if cell == "real"]
         if reals and len(reals) == len(self._outputs):
             yield [op.CHECK, reals[0], len(reals)]
         else:
             yield from ([op.CHECK, slot, 1] for slot in reals)
 
-    def _wrap(self) -> Callable[[], int]:
-        """What C calls as `int32 f(void)`."""
-        clock: Any = _view(self.memory.clock)
-        evaluate = self._evaluation(self.component.function)
-        store = self._storing()
+    def _bound(self) -> PythonCall:
+        """The call for the compiled loop: reals are passed and taken there, all else in Python."""
+        memory, inputs, outputs = self.memory, self._inputs, self._outputs
+        function, store = self.component.function, self._storing()
+        passed = all(cell == "real" for _, cell in inputs)
+        taken = len(outputs) == 1 and outputs[0][1] == "real"
 
-        def call() -> int:
-            try:
-                store(evaluate(clock[INSTANT] / NANOSECONDS))
-            except BaseException as fault:
-                self.fault = fault
-                return FAULT
-            return 0
+        def call(time: float, *given: float) -> Any:
+            values = given if passed else [loaded(memory, *place) for place in inputs]
+            store(function(time, *values))
 
-        return call
+        def number(result: Any) -> float:
+            return _number(result, self.component.outputs[0].name)
 
-    def _evaluation(self, function: Callable[..., Any]) -> Callable[[float], Any]:
-        """`function(t, *u)` for one argument t; the usual few real inputs without an argument
-        list, which costs as much as a small controller."""
-        memory, places = self.memory, self._inputs
-        if any(cell != "real" for _, cell in places):
-            return lambda t: function(t, *(loaded(memory, *place) for place in places))
-        first = places[0][0] if places else 0
-        u = _view(memory.v[first : first + len(places)])
-        match len(places):
-            case 1:
-                return lambda t: function(t, u[0])
-            case 2:
-                return lambda t: function(t, u[0], u[1])
-            case 3:
-                return lambda t: function(t, u[0], u[1], u[2])
-        return lambda t: function(t, *u.tolist())
+        return PythonCall(
+            function if passed and taken else call, self._failed, int(memory.clock.ctypes.data),
+            NANOSECONDS, memory.address(inputs[0][0] if inputs else 0),
+            len(inputs) if passed else 0, memory.address(outputs[0][0]) if taken and passed else 0,
+            number,
+        )  # fmt: skip
+
+    def _failed(self, fault: BaseException) -> None:
+        self.fault = fault
 
     def _storing(self) -> Callable[[Any], None]:
         """Where the results go; a sink has no outputs and may return anything."""
@@ -88,14 +79,6 @@ class PythonParticipant(Participant):
         names = ", ".join(s.name for s in self.component.outputs)
         if not places:
             return lambda result: None
-        first = places[0][0]
-        y = _view(memory.v[first : first + len(places)])
-        if len(places) == 1 and places[0][1] == "real":
-
-            def store_one(result: Any) -> None:
-                y[0] = result if result.__class__ is float else _number(result, names)
-
-            return store_one
 
         def store(result: Any) -> None:
             several = result.ravel() if isinstance(result, np.ndarray) else result
@@ -106,7 +89,7 @@ class PythonParticipant(Participant):
             outputs = self.component.outputs
             for value, (slot, cell), signal in zip(values, places, outputs, strict=True):
                 if cell == "real":
-                    y[slot - first] = _number(value, signal.name)
+                    memory.v[slot] = _number(value, signal.name)
                 else:
                     memory.wide[slot] = raw(value, cell, memory.texts)
 
@@ -124,8 +107,3 @@ def _number(result: Any, name: str) -> float:
         raise ValueError(
             f"returned {type(result).__name__}{shape} for output {name}, which takes one number"
         ) from None
-
-
-def _view(array: NDArray[Any]) -> Any:
-    """The memory of `array`; its items are read and written faster than those of an array."""
-    return memoryview(array)  # type: ignore[arg-type]
