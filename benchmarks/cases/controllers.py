@@ -7,6 +7,6 @@ from collections.abc import Iterator
 from benchmarks.frame import Comparison, Setting
 
 
-def controllers(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """To come."""
     yield from ()

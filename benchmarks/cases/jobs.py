@@ -28,7 +28,7 @@ SAMPLE_AIM = 117.0
 MESSAGES, STEPS = 20_000, 200_000
 
 
-def jobs(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """All of them, each against what it is to be compared with."""
     yield start()
     yield lead(setting.folder)
