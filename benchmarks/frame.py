@@ -140,5 +140,7 @@ def _once(found: Found, name: str, side: Side, number: int) -> None:
             value = side.measure()
         except RefusedError as refusal:
             found.refused[name] = str(refusal)
+        except Exception as fault:  # the other sides have been measured for minutes
+            found.refused[name] = " ".join(f"{type(fault).__name__}: {fault}".split())[:300]
     if number > 0:
         found.rounds[name].append(value)

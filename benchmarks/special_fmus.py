@@ -12,7 +12,7 @@ VARIABLES = 20_000
 _ONE = (
     '    <ScalarVariable name="part{0}.quantity{1}" valueReference="{2}" causality="local" '
     'variability="continuous" description="Quantity {1} of part {0}">\n'
-    '      <Real unit="N" start="0"/>\n    </ScalarVariable>\n'
+    '      <Real unit="N"/>\n    </ScalarVariable>\n'
 )
 
 

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from benchmarks.cases.controllers import controllers
-from benchmarks.cases.growth import growth
-from benchmarks.cases.identify import identification
-from benchmarks.cases.jobs import jobs
-from benchmarks.cases.master import master
-from benchmarks.cases.papers import papers
+from benchmarks.cases import controllers, growth, identify, jobs, master, papers
 from benchmarks.frame import Case
 
 CASES: dict[str, Case] = {
-    "master": master,
-    "controllers": controllers,
-    "identification": identification,
-    "jobs": jobs,
-    "growth": growth,
-    "papers": papers,
+    "master": master.comparisons,
+    "controllers": controllers.comparisons,
+    "identification": identify.comparisons,
+    "jobs": jobs.comparisons,
+    "growth": growth.comparisons,
+    "papers": papers.comparisons,
 }

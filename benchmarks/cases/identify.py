@@ -10,7 +10,7 @@ from benchmarks.frame import Aim, Comparison, Setting, Side
 SETS, ROWS = 7, 60
 
 
-def identification(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """A Takagi–Sugeno model of two inputs with `SETS`² rules."""
     sides = {name: Side(run) for name, run in module.sides_of(SETS, ROWS).items()}
     aim = Aim(

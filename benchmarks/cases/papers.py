@@ -14,7 +14,7 @@ LIMIT = (
 )
 
 
-def papers(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """Each paper's fast subset, everything cached."""
     sides = {}
     for paper in PAPERS:

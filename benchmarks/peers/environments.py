@@ -13,9 +13,9 @@ from pathlib import Path
 @dataclass(frozen=True)
 class Peer:
     """A tool: its distributions, of which the first has its version; which `loop` its driver
-    closes; by how many samples what is computed acts later there than here; steps of a round; and
-    what its numbers may differ (1e-12 where it adds up its times, 1e-6 where it rounds to single
-    precision)."""
+    closes, or what it computes; by how many samples what is computed acts later there than here;
+    steps of a round; and what its numbers may differ (1e-12 where it adds up its times, 1e-6 where
+    it rounds to single precision)."""
 
     name: str
     packages: tuple[str, ...]
@@ -26,6 +26,7 @@ class Peer:
 
 
 CALLBACK, FMUS = "Python controller", "controller as an FMU"
+INFERENCE, FILTER = "fuzzy inference", "extended Kalman filter"
 PEERS = {
     peer.name: peer
     for peer in (
@@ -38,6 +39,9 @@ PEERS = {
         Peer("libcosim", ("libcosimpy",), FMUS, delay=1, steps=50_000),
         Peer("cofmupy", ("cofmupy",), FMUS, delay=1, steps=5_000),
         Peer("omsimulator", ("omsimulator",), FMUS, delay=1),
+        Peer("simpful", ("simpful",), INFERENCE),
+        Peer("skfuzzy", ("scikit-fuzzy", "numpy", "scipy", "networkx"), INFERENCE),
+        Peer("filterpy", ("filterpy",), FILTER),
     )
 }
 

@@ -8,11 +8,15 @@ import subprocess
 from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.frame import RefusedError
 from benchmarks.lag import Lag
 from benchmarks.peers.environments import PEERS, installed, python, variables
-from benchmarks.peers.task import EARLY, Answer, Task, read_answer
+from benchmarks.peers.task import EARLY, Answer, RowsAnswer, RowsTask, Task, read_answer
 from benchmarks.pi import KI, KP, REFERENCE, STEP, pi_block
 from harness.export.controller import controller_fmu
 
@@ -41,24 +45,38 @@ def expected(steps: int, delay: int) -> float:
 def measured(name: str, task: Task) -> float:
     """Nanoseconds a step in the peer called so; raises `RefusedError`."""
     peer = PEERS[name]
+    answer = Answer(*answered(name, replace(task, steps=peer.steps)))
+    if words := disagreement(answer, peer.steps, peer.delay, peer.tolerance):
+        raise RefusedError(words)
+    return answer.nanoseconds
+
+
+def measured_rows(name: str, task: RowsTask, right: NDArray[np.float64]) -> float:
+    """The same for rows, whose outputs must be `right`, shape (rows, outputs), to 1e-9."""
+    answer = RowsAnswer(*answered(name, task))
+    gap = float(np.abs(np.array(answer.outputs) - right).max())
+    if not gap <= 1e-9 * np.abs(right).max():
+        raise RefusedError(f"its outputs differ from ours by {gap:.1e}")
+    return answer.nanoseconds
+
+
+def answered(name: str, task: Task | RowsTask) -> list[Any]:
+    """What the driver of a peer answers; raises `RefusedError`."""
     if refusal := installed(name).refusal:
         raise RefusedError(refusal)
     command = [str(python(name)), "-m", f"benchmarks.peers.drivers.{name}"]
-    order = json.dumps(asdict(replace(task, steps=peer.steps)))
     try:
         done = subprocess.run(
-            command, input=order, cwd=ROOT, env=variables(name, ROOT), capture_output=True,
-            text=True, check=False, timeout=SECONDS,
+            command, input=json.dumps(asdict(task)), cwd=ROOT, env=variables(name, ROOT),
+            capture_output=True, text=True, check=False, timeout=SECONDS,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         raise RefusedError(f"did not end within {SECONDS:g} s") from None
     answer = read_answer(done.stdout)
-    if answer is None:
+    if not answer:
         said = done.stderr.strip().splitlines()
         raise RefusedError(said[-1] if said else f"ended with {done.returncode}")
-    if words := disagreement(answer, peer.steps, peer.delay, peer.tolerance):
-        raise RefusedError(words)
-    return answer.nanoseconds
+    return answer
 
 
 def disagreement(answer: Answer, steps: int, delay: int, tolerance: float) -> str:

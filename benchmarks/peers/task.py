@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 EARLY = 150
 """Steps of the run that is compared in the middle of its transient."""
@@ -54,8 +55,38 @@ class Answer:
     nanoseconds: float
 
 
+@dataclass(frozen=True)
+class RowsTask:
+    """Numbers of a `model`, and `rows` of inputs, of each of which the outputs are wanted."""
+
+    model: dict[str, Any]
+    rows: list[list[float]]
+
+
+@dataclass(frozen=True)
+class RowsAnswer:
+    """The outputs of each row; nanoseconds of processor time a row."""
+
+    outputs: list[list[float]]
+    nanoseconds: float
+
+
 Run = Callable[[], float]
 """Does all steps and gives the plant's y after the last."""
+
+
+def carry_out_rows(
+    prepare: Callable[[dict[str, Any]], Callable[[list[float]], list[float]]],
+) -> None:
+    """The same for rows, by the function of a row that `prepare` makes of the model."""
+    task = RowsTask(**json.load(sys.stdin))
+    function = prepare(task.model)
+    function(task.rows[0])
+    function = prepare(task.model)
+    began = time.process_time()
+    outputs = [function(row) for row in task.rows]
+    nanoseconds = 1e9 * (time.process_time() - began) / len(task.rows)
+    _answer(outputs, nanoseconds)
 
 
 def carry_out(prepare: Callable[[Task, int], Run]) -> None:
@@ -66,12 +97,16 @@ def carry_out(prepare: Callable[[Task, int], Run]) -> None:
     began = time.process_time()
     last = run()
     nanoseconds = 1e9 * (time.process_time() - began) / task.steps
-    print("\n" + _MARK + json.dumps([early, last, nanoseconds]), flush=True)
+    _answer(early, last, nanoseconds)
+
+
+def _answer(*values: Any) -> None:
+    print("\n" + _MARK + json.dumps(values), flush=True)
     sys.stderr.flush()
     os._exit(0)  # native tools may end a process in their destructors
 
 
-def read_answer(text: str) -> Answer | None:
-    """The answer in what a driver printed among the tool's own lines; None where it gave none."""
+def read_answer(text: str) -> list[Any]:
+    """What a driver answered, among the tool's own lines; empty where it gave no answer."""
     lines = [line for line in text.splitlines() if line.startswith(_MARK)]
-    return Answer(*json.loads(lines[-1].removeprefix(_MARK))) if lines else None
+    return list(json.loads(lines[-1].removeprefix(_MARK))) if lines else []
