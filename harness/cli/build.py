@@ -11,7 +11,7 @@ import typer
 
 from harness import registry
 from harness.cli.options import settings
-from harness.cli.terminal import say
+from harness.cli.terminal import bar, say
 from harness.errors import UsageError, nearest
 from harness.results.atomic import atomic_write, writing
 
@@ -73,11 +73,15 @@ def build_command(
     else:
         asked = _named(names or registry.names(registry.PLANTS), sample_time, set_, name)
     kind = "portable-" if portable else ""
-    for one in asked:
-        for version in versions:
+    every = [(one, version) for one in asked for version in versions]
+    with bar("build") as moved:  # the first FMU for another platform takes minutes
+        for place, (one, version) in enumerate(every):
+            told = one.partition(":")[2] or one if isinstance(one, str) else one.name
+            moved(place / len(every), f"{told}, FMI {version}")
             folder = "portable" if portable and version == 2 else f"{kind}fmi{version}"
             made, built = _built(one, name, version, portable=portable, targets=platforms)
             _copy(built, output / folder / f"{made}.fmu")
+        moved(1.0)
 
 
 def _of_experiment(

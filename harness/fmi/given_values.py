@@ -129,7 +129,7 @@ def _in_unit_of(d: ModelDescription, v: Variable, value: Any, unit: str) -> Any:
     try:
         factor, offset = conversion(parse_unit(unit, d.units), parse_unit(v.unit, d.units))
     except UnitError as fault:
-        known = f"; it is shown in {', '.join(shown)}" if shown else ""
+        known = f"; give it in {', '.join(dict.fromkeys((v.unit or 'its own unit', *shown)))}"
         raise ValueError(f"cannot be in {unit!r}: {fault}{known}") from fault
     return factor * value + (0.0 if v.details.relative else offset)
 

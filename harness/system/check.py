@@ -207,7 +207,7 @@ def _type_faults(
     try:
         conversion(source.unit, target.unit)
     except UnitError as fault:
-        yield f"{label}: {fault}"
+        yield f"{label}: {fault}; convert_units = false on it passes the number as it is"
 
 
 def _family(kind: str) -> str:

@@ -1,6 +1,7 @@
 """Every hostile archive is refused in one sentence and leaves no file behind."""
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,6 +29,7 @@ def refused(path: Path, words: str) -> None:
         Fmu(path)
     text = str(caught.value)
     assert str(path) in text and "\n" not in text and len(text) < 500
+    assert re.search(r"; .*\b(pack|give|leave out|mend|TMPDIR)\b", text)
 
 
 @pytest.mark.parametrize("case", ARCHIVES)
@@ -67,3 +69,15 @@ def test_no_place_to_unpack(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     path = tmp_path / "case.fmu"
     path.write_bytes(packed())
     refused(path, "no folder to unpack it into")
+
+
+@pytest.mark.parametrize(("content", "words"), [
+    (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "`git lfs pull`"),
+    (b"<!DOCTYPE html><html></html>", "a web page: download the file itself"),
+    (b"plain text", "an FMU is a zip archive: give the path"),
+])  # fmt: skip
+def test_what_is_no_zip_archive_is_told(tmp_path: Path, content: bytes, words: str) -> None:
+    path = tmp_path / "case.fmu"
+    path.write_bytes(content)
+    with pytest.raises(FmuError, match=f"not a zip file; .*{words}"):
+        Fmu(path)

@@ -27,6 +27,7 @@ def refused(path: Path, words: str) -> None:
         Fmu(path)
     text = str(caught.value)
     assert str(path) in text and text.isprintable() and len(text) < 1200
+    assert re.search(r"; (mend the document, or|--no-validate)|: have the FMU exported", text)
 
 
 @pytest.mark.parametrize("case", CHANGES)

@@ -19,6 +19,8 @@ from harness.fmi.wording import has_control_characters, quoted
 
 DESCRIPTION = "modelDescription.xml"
 MAX_DEPTH = 64
+ANEW = "pack its files anew as a plain zip archive, or have it exported anew"
+"""The way out of an archive that is not unpacked."""
 
 _ENCRYPTED = 0x1
 _LOCAL_HEADER = 30
@@ -39,7 +41,7 @@ def check_members(path: Path, members: Sequence[zipfile.ZipInfo]) -> None:
     A member may be there again with the same content, as some tools pack it by mistake.
     """
     for fault in chain(_faults(members), _overlaps(members)):
-        raise FmuError(f"FMU {path} {fault}")
+        raise FmuError(f"FMU {path} {fault}; nothing was unpacked: {ANEW}")
 
 
 def _faults(members: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
@@ -70,12 +72,12 @@ def check_root(path: Path, members: Sequence[zipfile.ZipInfo], root: str) -> Non
         if place.name.casefold() != root.casefold():
             continue
         if len(place.parts) == 1:
-            raise FmuError(f"FMU {path} has no {root} at its root but {place.name!r}")
+            raise FmuError(f"FMU {path} has no {root} at its root but {place.name!r}; {ANEW}")
         raise FmuError(
             f"FMU {path} has no {root} at its root but in the folder "
             f"{quoted(str(place.parent))}; pack what is in that folder, not the folder"
         )
-    raise FmuError(f"FMU {path} has no {root} at its root")
+    raise FmuError(f"FMU {path} has no {root} at its root; give the path of what was exported")
 
 
 def _name_fault(member: zipfile.ZipInfo) -> str:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Self
 
 from harness.errors import FmuError
-from harness.fmi.archive.checks import DESCRIPTION, check_members, check_root
+from harness.fmi.archive.checks import ANEW, DESCRIPTION, check_members, check_root
 from harness.fmi.archive.temporary import make_folder
 from harness.fmi.wording import shorten
 
@@ -51,7 +51,10 @@ class Archive:
         try:
             self.folder = make_folder()
         except OSError as fault:
-            raise FmuError(f"FMU {self.path}: no folder to unpack it into: {fault}") from fault
+            raise FmuError(
+                f"FMU {self.path}: no folder to unpack it into: {fault}; make room, or set TMPDIR "
+                "to another"
+            ) from fault
         self._finalizer = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         try:
             self._unpack(root)
@@ -70,7 +73,8 @@ class Archive:
                 for member in members:
                     left -= self._extract(archive, member, left)
         except _BROKEN as fault:
-            raise FmuError(f"FMU {self.path} cannot be unpacked: {_reason(fault)}") from fault
+            told = f"FMU {self.path} cannot be unpacked: {_reason(fault)}"
+            raise FmuError(f"{told}; {_way_out(self.path)}") from fault
         if not (self.folder / root).is_file():
             check_root(self.path, members, root)
 
@@ -86,7 +90,8 @@ class Archive:
             fault = f"unpacks from {packed} to {total} bytes; more than {MAX_RATIO} times its size "
             fault += "is taken for a bomb"
         if fault:
-            raise FmuError(f"FMU {self.path} {fault}")
+            way_out = "leave out what is not needed, such as binaries for other platforms"
+            raise FmuError(f"FMU {self.path} {fault}; {way_out}")
 
     def _extract(self, archive: zipfile.ZipFile, member: zipfile.ZipInfo, left: int) -> int:
         """Write one member, or compare one that is there again; its number of bytes, which may
@@ -139,7 +144,21 @@ def _hash(path: Path) -> str:
         with path.open("rb") as content:
             return hashlib.file_digest(content, "sha256").hexdigest()
     except OSError as fault:
-        raise FmuError(f"FMU {path} cannot be read: {fault.strerror or fault}") from fault
+        told = f"FMU {path} cannot be read: {fault.strerror or fault}"
+        raise FmuError(f"{told}; give the path of a file that you may read") from fault
+
+
+def _way_out(path: Path) -> str:
+    """What to do about a file that is no whole zip archive, by what it begins with."""
+    with path.open("rb") as content:
+        head = content.read(100)
+    if head.startswith(b"version https://git-lfs"):
+        return "it is a pointer of Git LFS: `git lfs pull` brings the file itself"
+    if head.lstrip().lower().startswith((b"<!doctype html", b"<html")):
+        return "it is a web page: download the file itself"
+    if not head.startswith(b"PK"):
+        return "an FMU is a zip archive: give the path of what was exported"
+    return f"{ANEW} (or download it again)"
 
 
 def _reason(fault: BaseException) -> str:

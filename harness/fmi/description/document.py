@@ -15,7 +15,7 @@ from typing import Any
 from lxml import etree
 
 from harness.errors import FmuError
-from harness.fmi.description.faults import DOCUMENT, Fault, Harm
+from harness.fmi.description.faults import ANEW, DOCUMENT, Fault, Harm
 from harness.fmi.description.rules import rule
 from harness.fmi.wording import shorten
 
@@ -58,16 +58,16 @@ def parse(path: Path, what: str) -> Any:
     or has a DOCTYPE."""
     try:
         if path.stat().st_size > MAX_DOCUMENT:
-            raise FmuError(f"{what} is larger than {MAX_DOCUMENT} bytes")
+            raise FmuError(f"{what} is larger than {MAX_DOCUMENT} bytes; {ANEW}")
         parser = etree.XMLParser(
             resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False
         )
         tree: Any = etree.parse(str(path), parser)
     except (OSError, etree.Error) as fault:
         reason = shorten(str(fault), 300) or type(fault).__name__
-        raise FmuError(f"{what} cannot be read: {reason}") from fault
+        raise FmuError(f"{what} cannot be read: {reason}; {ANEW}") from fault
     if tree.docinfo.doctype:
-        raise FmuError(f"{what} has a DOCTYPE, which FMUs may not have")
+        raise FmuError(f"{what} has a DOCTYPE, which FMUs may not have; {ANEW}")
     return tree.getroot()
 
 
@@ -82,16 +82,18 @@ def model_description_root(folder: Path, source: Path) -> Any:
     place = f"{DOCUMENT} of {source}"
     root = parse(folder / DOCUMENT, place)
     if root.tag != _ROOT:
-        raise FmuError(f"{place} has the root element <{shorten(str(root.tag))}>, not <{_ROOT}>")
+        found = shorten(str(root.tag))
+        raise FmuError(f"{place} has the root element <{found}>, not <{_ROOT}>; {ANEW}")
     version = root.get("fmiVersion")
     if version is None:
-        raise FmuError(f"{place} states no fmiVersion")
+        raise FmuError(f"{place} states no fmiVersion, such as 1.0, 2.0 or 3.0; {ANEW}")
     if not _VERSIONS.fullmatch(version):
         raise FmuError(
-            f"{place} is of FMI version {shorten(version)!r}; versions 1.0, 2.0 and 3.x are read"
+            f"{place} is of FMI version {shorten(version)!r}; versions 1.0, 2.0 and 3.x are read: "
+            "have the FMU exported as one of them"
         )
     if root.find("ModelVariables") is None:
-        raise FmuError(f"{place} has no ModelVariables")
+        raise FmuError(f"{place} has no ModelVariables; {ANEW}")
     return root
 
 

@@ -18,6 +18,8 @@ from harness.fmi.wording import shorten
 
 DOCUMENT = "modelDescription.xml"
 WAY_OUT = "--no-validate (validate=False) reads it all the same"
+ANEW = "mend the document, or have the FMU exported anew"
+"""The way out where nothing lets a fault pass."""
 _SHOWN = 3
 
 
@@ -59,8 +61,7 @@ def notes(faults: Sequence[Fault], source: Path, validate: bool = True) -> tuple
     grave = [str(f) for f in faults if f.harm is not Harm.NONE]
     forbidden = [f for f in faults if f.harm is Harm.FORBIDDEN]
     if grave and (validate or forbidden):
-        way_out = "" if forbidden else f"; {WAY_OUT}"
-        raise FmuError(_sentence(grave, source) + way_out)
+        raise FmuError(f"{_sentence(grave, source)}; {ANEW if forbidden else WAY_OUT}")
     return tuple(_sentence(texts, source) for texts in (grave, harmless) if texts)
 
 
