@@ -26,7 +26,13 @@ class Interrupts:
     def __init__(self) -> None:
         self.reason = ""
         self._number = 0
+        self._untaken = 0
         self._before: dict[int, Any] = {}
+
+    def take(self) -> int:
+        """The number of a signal that came since this was asked last; 0: none did."""
+        number, self._untaken = self._untaken, 0
+        return number
 
     def fault(self) -> BaseException:
         """What to raise for it."""
@@ -51,5 +57,5 @@ class Interrupts:
         if self.reason:
             signal.signal(number, self._before[number])
             signal.raise_signal(number)
-        self._number = number
+        self._number = self._untaken = number
         self.reason = INTERRUPTED if number == signal.SIGINT else "ended by SIGTERM"

@@ -12,7 +12,7 @@ import typer
 from harness import registry
 from harness.cli import options
 from harness.cli.tables import show_table
-from harness.cli.terminal import bar, echo, say
+from harness.cli.terminal import bars, echo, say
 from harness.errors import HarnessError
 
 if TYPE_CHECKING:
@@ -93,22 +93,17 @@ def _finish(
 
 def _run(record: RunRecord, folder: Path, *, logging: bool, resume: bool) -> None:
     from harness.experiment.report import metrics_table, signals_table, write_report
+    from harness.experiment.variants import run_variants
 
     loaded = record.experiment
-    results, faults = {}, {}
-    for name in record.variants:
-        try:
-            with bar(loaded.label(name)) as moved:
-                results[name] = loaded.run(
-                    name, folder / name, progress=moved, echo=echo if logging else None,
-                    resume=resume,
-                )  # fmt: skip
-        except HarnessError as fault:
-            if fault.result is None and len(record.variants) == 1:
-                raise
-            faults[name] = fault
-            if fault.result is not None:
-                results[name] = fault.result
+    with bars() as moved:
+        ran = run_variants(
+            loaded, record.variants, folder, lambda name, *told: moved(loaded.label(name), *told),
+            echo=echo if logging else None, resume=resume,
+        )  # fmt: skip
+    results, faults = ran.results, ran.faults
+    if len(record.variants) == 1 and not results:
+        raise next(iter(faults.values()))
     for note in (note for result in results.values() for note in result.manifest.notes):
         warnings.warn(note, stacklevel=2)
     judged = loaded.spec.measure is not None or any(result.metrics for result in results.values())

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -89,21 +89,30 @@ class Moved(Protocol):
 def bar(name: str) -> Iterator[Moved]:
     """While open, the error stream shows the progress of a task: name, bar, share, time gone and
     time left."""
-    from rich import progress as p
-
     from harness.compiler.machine_code import announcing
+
+    with bars() as moved, announcing(lambda what: moved(name, None, what)):
+        moved(name, 0.0)
+        yield lambda share, at=name: moved(name, share, at=at)
+
+
+@contextmanager
+def bars() -> Iterator[Callable[..., None]]:
+    """The same for several tasks, by name: they are shown from the moment at which they have
+    moved to a share, or something is compiled for them."""
+    from rich import progress as p
 
     text, share = p.TextColumn("{task.description}", markup=False), "{task.percentage:3.0f} %"
     times = p.TimeElapsedColumn(), p.TimeRemainingColumn()
     columns = text, p.BarColumn(), p.TextColumn(share), *times
     with p.Progress(*columns, console=console(stderr=True)) as shown:
-        task = shown.add_task(name, total=1.0)
+        tasks: dict[str, p.TaskID] = {}
 
-        def moved(share: float, at: str = name) -> None:
-            shown.update(task, description=at, completed=share)
+        def moved(name: str, share: float | None, compiling: str = "", at: str = "") -> None:
+            if name not in tasks:
+                tasks[name] = shown.add_task(name, total=1.0)
+            if compiling:
+                at = f"{name}: compiling {compiling}, once on this machine"
+            shown.update(tasks[name], description=at or name, completed=share)
 
-        def compiling(what: str) -> None:
-            shown.update(task, description=f"{name}: compiling {what}, once on this machine")
-
-        with announcing(compiling):
-            yield moved
+        yield moved

@@ -78,8 +78,11 @@ def cached_callback(function: Callable[..., Any], signature: Any, **options: Any
     compiled itself."""
     function = getattr(function, "py_func", function)
     made: Any = CFunc(function, normalize_signature(signature), locals={}, options=options)
-    made._cache = _Cache(function)
-    made.compile()
+    made._cache = _LockedCache(function)
+    try:
+        made.compile()
+    finally:
+        made._cache.unlock()
     return made
 
 
@@ -181,15 +184,18 @@ class _Cache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What is kept, or None; pickled code that is damaged can raise anything, and goes."""
-        found = None
-        try:
-            found = super().load_overload(sig, target_context)
-        except Exception:
-            with suppress(OSError):
-                self.flush()
+        found = self._load(sig, target_context)
         if found is None:
             _announce(getattr(self._function, "called", self._function.__name__))
         return found
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:
+            with suppress(OSError):
+                self.flush()
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep it where that is possible."""
@@ -207,3 +213,33 @@ class _Cache(FunctionCache):  # type: ignore[misc]
                 "written",
                 stacklevel=2,
             )
+
+
+class _LockedCache(_Cache):
+    """The same for code that takes long to compile: where two processes need it, one compiles, and
+    the other waits for it."""
+
+    _lock: int | None = None
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """As above; where there is nothing, this process has the lock from now on."""
+        found = super().load_overload(sig, target_context)
+        if found is None and self._locked():
+            found = self._load(sig, target_context)
+        return found
+
+    def _locked(self) -> bool:
+        with suppress(OSError, ImportError):  # read-only folders, other systems
+            import fcntl
+
+            path = Path(self.cache_path) / f"{self._function.__qualname__}.lock"
+            self._lock = os.open(path, os.O_CREAT | os.O_RDWR, 0o666)
+            fcntl.flock(self._lock, fcntl.LOCK_EX)
+            return True
+        return False
+
+    def unlock(self) -> None:
+        """It is compiled, or cannot be."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None

@@ -187,7 +187,7 @@ class Experiment:
         spec = self.variant_spec(variant)
         state = run_state(Path(folder)) if resume and folder is not None else ""
         if state == COMPLETE and folder is not None:
-            return self.measured(read_recording(Path(folder)), spec)
+            return self.recorded(variant, folder)
         bench = self.bench(variant, seed=seed)
         try:
             result = bench.run(
@@ -200,6 +200,10 @@ class Experiment:
                 fault.result = self.measured(fault.result, spec)
             raise
         return self.measured(result, spec)
+
+    def recorded(self, variant: str, folder: str | Path) -> Result:
+        """What a run of a variant has recorded in `folder`, with its metrics."""
+        return self.measured(read_recording(Path(folder)), self.variant_spec(variant))
 
     def resolved(self, variant: str, spec: ExperimentSpec) -> Table:
         """The variant as it is run, for the manifest; `file` is where relative paths begin."""

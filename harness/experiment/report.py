@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -13,9 +14,10 @@ from rich.table import Table
 from harness.errors import ExperimentError
 from harness.experiment.experiment import Experiment
 from harness.experiment.schema import PlotSpec
+from harness.process.side_by_side import Tell, at_once, side_by_side
 from harness.results.atomic import atomic_write, writing
 from harness.results.membership_plot import membership_plot
-from harness.results.plots import gains_plot, overview_plot, save_figures
+from harness.results.plots import gains_plot, overview_plot, save_figure
 from harness.results.result import Result
 from harness.results.step_response import metric_units
 from harness.results.surface_plot import surfaces_plot
@@ -86,27 +88,49 @@ def show(name: str, value: float | None) -> str:
 def write_report(experiment: Experiment, results: Results, folder: Path) -> list[Path]:
     """Pictures and `metrics.csv` in `folder`; returns what was written."""
     with writing(f"the report cannot be written to {folder}", folder):
-        written = save_figures(folder, figures(experiment, results))
+        written = _draw(folder, figures(experiment, results))
         written.append(_write_metrics(experiment, results, folder / "metrics.csv"))
     return written
 
 
-def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
-    """The overview of what is measured, and the pictures that the experiment asks for."""
+Drawing = Callable[[], Figure]
+
+
+def _draw(folder: Path, drawings: Mapping[str, Drawing]) -> list[Path]:
+    """Draw and save pictures, each on a core of its own where there are several."""
+
+    def work(name: str, _: Tell) -> Path:
+        return save_figure(folder / f"{name}.png", drawings[name]())
+
+    works = [partial(work, name) for name in drawings]
+    if at_once(len(works)) < 2:
+        return [one(print) for one in works]
+    paths = []
+    for ended in side_by_side(works, print):
+        if ended.fault is not None:
+            raise ended.fault
+        paths.append(ended.value)
+    return paths
+
+
+def figures(experiment: Experiment, results: Results) -> dict[str, Drawing]:
+    """How to draw the overview of what is measured, and the pictures that the experiment asks
+    for."""
     results = {name: result for name, result in results.items() if len(result.time) > 1}
     if not results:
         return {}
     labelled = {experiment.label(name): result for name, result in results.items()}
     spec, title = experiment.spec, experiment.spec.title
-    drawn: dict[str, Figure] = {}
+    drawn: dict[str, Drawing] = {}
     if spec.measure is not None:
         m = spec.measure
         some = {experiment.label(v): r for v, r in results.items() if v in (m.variants or results)}
-        ends = m.response, m.reference, m.control
-        drawn["response"] = overview_plot(some or labelled, *ends, title=title)
+        drawn["response"] = partial(
+            overview_plot, some or labelled, m.response, m.reference, m.control, title=title
+        )
     elif not spec.plots:
         for name, result in results.items():  # a label would make a poor file name
-            drawn[name] = result.plot(title=f"{title}\n{experiment.label(name)}")
+            drawn[name] = partial(result.plot, title=f"{title}\n{experiment.label(name)}")
     for name, plot in spec.plots.items():
         chosen = {
             experiment.label(v): results[v] for v in (plot.variants or results) if v in results
@@ -115,17 +139,18 @@ def figures(experiment: Experiment, results: Results) -> dict[str, Figure]:
             drawn |= _membership(experiment, results, name, plot)
             continue
         signals = [s for s in plot.signals if any(s in result for result in chosen.values())]
+        title_of_plot = plot.title or title
         if signals and plot.over is not None:
             first = next(iter(chosen.values()))
-            drawn[name] = surfaces_plot(first, plot.over, signals, title=plot.title or title)
+            drawn[name] = partial(surfaces_plot, first, plot.over, signals, title=title_of_plot)
         elif signals:
-            drawn[name] = gains_plot(chosen, signals, title=plot.title or title)
+            drawn[name] = partial(gains_plot, chosen, signals, title=title_of_plot)
     return drawn
 
 
 def _membership(
     experiment: Experiment, results: Results, name: str, plot: PlotSpec
-) -> dict[str, Figure]:
+) -> dict[str, Drawing]:
     """Membership functions of a controller at the first and the last row, a figure an axis."""
     variant = next((v for v in (plot.variants or results) if v in results), None)
     if variant is None:
@@ -146,7 +171,9 @@ def _membership(
     )
     title = plot.title or experiment.spec.title
     return {
-        f"{name}_{axis}": membership_plot(before[axis], after[axis], title=f"{title}: {axis}")
+        f"{name}_{axis}": partial(
+            membership_plot, before[axis], after[axis], title=f"{title}: {axis}"
+        )
         for axis in before
     }
 

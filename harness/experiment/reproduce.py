@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from harness.errors import ExperimentError, HarnessError, UsageError, nearest
+from harness.errors import ExperimentError, UsageError, nearest
 from harness.experiment.claims import ClaimsSpec, load_claims
 from harness.experiment.evidence import REGION, Evidence
 from harness.experiment.experiment import Experiment
@@ -15,6 +15,7 @@ from harness.experiment.parallel import Workers, given_or_one
 from harness.experiment.report import write_report
 from harness.experiment.study import Study, run_study
 from harness.experiment.sweep import Region, run_sweep, write_sweep
+from harness.experiment.variants import run_variants
 from harness.results.result import Result
 
 CLAIMS_FILE = "claims.toml"
@@ -132,7 +133,8 @@ class _Run:
     def all(self) -> tuple[Evidence, tuple[Path, ...]]:
         """The variants with their pictures, the study and the sweep."""
         spec = self.experiment.spec
-        results, written = {}, []
+        results: Mapping[str, Result] = {}
+        written: list[Path] = []
         if spec.study is None or not spec.study.alone:
             named = () if spec.study is None else spec.study.variants
             results = self._results(named or self.experiment.variants)
@@ -151,7 +153,8 @@ class _Run:
         """What gives the metrics of these variants, and no more."""
         swept = tuple(variant for variant, metrics in needs.items() if REGION in metrics)
         measured = tuple(variant for variant, metrics in needs.items() if metrics - {REGION})
-        study, results = None, {}
+        study: Study | None = None
+        results: Mapping[str, Result] = {}
         if measured and self.experiment.spec.study is not None:
             study = self._study(measured)
         elif measured:
@@ -160,19 +163,18 @@ class _Run:
         metrics = {variant: dict(result.metrics) for variant, result in results.items()}
         return Evidence(metrics, study, regions), ()
 
-    def _results(self, variants: Sequence[str]) -> dict[str, Result]:
-        results: dict[str, Result] = {}
-        for variant in variants:
-            progress = self._progress(f": {self.experiment.label(variant)}")
-            try:
-                results[variant] = self.experiment.run(
-                    variant, self.folder / variant, progress=progress
-                )
-            except HarnessError as fault:
-                if fault.result is None:
-                    raise
-                results[variant] = fault.result
-        return results
+    def _results(self, variants: Sequence[str]) -> Mapping[str, Result]:
+        label = self.experiment.label
+
+        def moved(variant: str, share: float | None, compiling: str = "") -> None:
+            if share is not None:
+                self._progress(f": {label(variant)}")(share)
+
+        ran = run_variants(self.experiment, variants, self.folder, moved)
+        for fault in ran.faults.values():
+            if fault.result is None:
+                raise fault
+        return ran.results
 
     def _study(self, variants: Sequence[str]) -> Study:
         progress = self._progress(": study")

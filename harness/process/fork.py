@@ -31,7 +31,7 @@ from typing import Any
 from harness.errors import HarnessError
 
 _JANITOR = 'read -r worker; read -r _; [ -n "$worker" ] && kill -9 -- "-$worker"; rm -rf -- "$1"'
-_PR_SET_PDEATHSIG = 1
+PR_SET_PDEATHSIG = 1
 _DYING_SECONDS = 1.0
 
 _inside = False
@@ -171,7 +171,7 @@ def _settle(folder: Path, supervisor: int) -> None:
     already_isolated()
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != supervisor:
         os._exit(0)
     _leave_at_once_on_exit()

@@ -100,7 +100,7 @@ def run_task(
 def live(work: Callable[[Teller], Any], marker: Marker, connection: Connection) -> None:
     """The worker's side."""
     teller = Teller(marker, connection)
-    sys.stdout, sys.stderr = _Forward(teller, "stdout"), _Forward(teller, "stderr")
+    sys.stdout, sys.stderr = (Forward(teller.send, name) for name in ("stdout", "stderr"))
     mark.watch(marker.calling)
     try:
         done = Done(work(teller))
@@ -113,12 +113,12 @@ def live(work: Callable[[Teller], Any], marker: Marker, connection: Connection) 
     teller.send(done)
 
 
-class _Forward(io.TextIOBase):
+class Forward(io.TextIOBase):
     """Text of Python code in a worker, on its way to the caller's own streams, line by line."""
 
-    def __init__(self, teller: Teller, stream: str) -> None:
+    def __init__(self, send: Callable[[Printed], object], stream: str) -> None:
         """`stream` is "stdout" or "stderr"."""
-        self._teller, self._stream, self._unsent = teller, stream, ""
+        self._send, self._stream, self._unsent = send, stream, ""
 
     def writable(self) -> bool:
         """Yes."""
@@ -135,4 +135,4 @@ class _Forward(io.TextIOBase):
         """Send what is held."""
         if self._unsent:
             text, self._unsent = self._unsent, ""
-            self._teller.send(Printed(self._stream, text))
+            self._send(Printed(self._stream, text))

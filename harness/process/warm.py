@@ -25,7 +25,7 @@ from harness.system.graph import BlockComponent, System
 
 def warm_up(system: System) -> None:
     """Load the loop and the blocks of `system`; a fault in a block is left for its run to tell."""
-    _load_loop()
+    load_loop()
     kinds = {c.policy.interface_type for c in system.fmus}
     load_kernels(exchange=MODEL_EXCHANGE in kinds)
     software_versions()
@@ -39,8 +39,8 @@ def warm_up(system: System) -> None:
 
 
 @cache
-def _load_loop() -> None:
-    """By a call that has nothing to do."""
+def load_loop() -> None:
+    """Load the loop, by a call that has nothing to do."""
     none, whole, real = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64), np.zeros(1)
     clock, octets = np.zeros(op.CLOCK_SIZE, dtype=np.int64), np.zeros(8, dtype=np.uint8)
     Frame(
