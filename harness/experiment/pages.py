@@ -12,6 +12,7 @@ from harness.experiment.experiment import Experiment
 from harness.experiment.judging import ALPHA
 from harness.experiment.reproduce import Reproduction
 from harness.experiment.study import LOST, median
+from harness.experiment.sweep import Region
 from harness.experiment.verdict_plot import write_pictures
 from harness.results.atomic import atomic_write, writing
 
@@ -61,13 +62,24 @@ def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
 
 
 def region_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
-    """Rows (experiment, variant, grid, share of points inside), the heading first."""
-    yield "experiment", "variant", "grid", "points inside"
+    """Rows (experiment, variant, grid, share of points inside, the least outcome and where), the
+    heading first."""
+    yield "experiment", "variant", "grid", "points inside", "least outcome"
     for name, evidence in reproduction.evidence.items():
         label = Experiment.load(reproduction.paper.experiments[name]).label
         for variant, region in evidence.regions.items():
             grid = f"{region.spec.x.count} × {region.spec.y.count}"
-            yield name, label(variant), grid, f"{100 * region.share:.1f} %"
+            share = f"{region.spec.outcome} < {region.spec.below:g}: {100 * region.share:.1f} %"
+            yield name, label(variant), grid, share, _least(region)
+
+
+def _least(region: Region) -> str:
+    if region.least is None:
+        return "–"
+    x, y, outcome = region.least
+    axes = (axis.key.rpartition(".")[2] for axis in (region.spec.x, region.spec.y))
+    where = ", ".join(f"{axis} = {value:.6g}" for axis, value in zip(axes, (x, y), strict=True))
+    return f"{outcome:.4g} at {where}"
 
 
 def markdown(rows: Iterable[tuple[str, ...]]) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, groupby
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 import pandas as pd
@@ -153,7 +154,8 @@ def region_plot(experiment: Experiment, regions: dict[str, Region]) -> Figure:
     width = min(len(regions), 3)
     height = -(-len(regions) // width)
     sweep = _spec(experiment)
-    title = f"{experiment.spec.title}\ngrid of {sweep.x.count} × {sweep.y.count} points"
+    wrapped = fill(experiment.spec.title, 18 * (width + 1))
+    title = f"{wrapped}\ngrid of {sweep.x.count} × {sweep.y.count} points"
     figure = new_figure((3.4 * width + 0.6, 3.4 * height + 0.6), title)
     panels = figure.subplots(height, width, squeeze=False).ravel()
     for panel in panels[len(regions) :]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,7 +25,9 @@ def verdict_plot(verdict: Verdict) -> Figure | None:
     regions = [finding for finding in verdict.findings if len(finding.trials) > 1]
     if not regions:
         return None
-    figure = new_figure((4.6 * len(regions) + 0.6, 3.8), _wrapped(verdict.claim.claim))
+    figure = new_figure(
+        (4.6 * len(regions) + 0.6, 3.8), fill(verdict.claim.claim, 34 + 30 * len(regions))
+    )
     panels = figure.subplots(1, len(regions), squeeze=False).ravel()
     for panel, finding in zip(panels, regions, strict=True):
         _draw(panel, finding)
@@ -70,15 +73,6 @@ def _figure_label(finding: Finding, unit: str) -> str:
         if test.compare == "ratio":
             name = name.replace("−", "over")
     return axis_label(name, unit)
-
-
-def _wrapped(text: str, width: int = 62) -> str:
-    lines = [""]
-    for word in text.split():
-        if len(lines[-1]) + len(word) > width:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return "\n".join(lines)
 
 
 def write_pictures(verdicts: Iterable[Verdict], output: Path) -> tuple[Path, ...]:

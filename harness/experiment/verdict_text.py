@@ -60,8 +60,9 @@ def _said(finding: Finding, unit: str) -> str:
         return region(finding)
     text = finding.verdict
     if len(finding.trials) > 1:
-        ends = finding.trials[0].at, finding.trials[-1].at
-        text += f" ({finding.quantity} {ends[0]:g} to {ends[1]:g} {finding.unit}".rstrip(" 1") + ")"
+        unit_of_quantity = "" if finding.unit in ("", "1") else f" {finding.unit}"
+        first, last = finding.trials[0].at, finding.trials[-1].at
+        text += f" ({finding.quantity} {first:g} to {last:g}{unit_of_quantity})"
     near = finding.trials[0].test.near
     if near is not None and finding.verdict in (HOLDS, FAILS):
         of = "" if near[0] == 0.0 else f" of {near[0]:g}"

@@ -42,7 +42,9 @@ def test_between_the_markers_and_nowhere_else(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text(README + MARKERS, encoding="utf-8")
     text = update_readme(reproduction(tmp_path)).read_text(encoding="utf-8")
     part = text.partition("<!-- regions: begin -->\n")[2].partition("<!-- regions: end -->")
-    assert part[0].splitlines()[-1] == "| figure | the first | 3 × 2 | 66.7 % |"
+    assert part[0].splitlines()[-1] == (
+        "| figure | the first | 3 × 2 | error < 1: 66.7 % | 0 at a = 0, a = 0 |"
+    )
     assert "outdated" not in text
     assert part[2] == "\nprose\n"
 
