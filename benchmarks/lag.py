@@ -16,29 +16,35 @@ OPTIONS = ("cc", "-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-W
 
 @dataclass(frozen=True)
 class Lag:
-    """What was built: the archive, the library that is in it, and the bare C program."""
+    """What was built: the archive, and the library that is in it."""
 
     fmi_version: int
     fmu: Path
     library: Path
-    program: Path
+
+    def program(self, loops: int) -> Path:
+        """The bare C program for so many closed loops, compiled where it is not there yet."""
+        program = self.library.with_name(f"closed_loop_{loops}")
+        if not program.exists():
+            constants = {"REFERENCE": REFERENCE, "KP": KP, "KI": KI, "STEP_NS": round(STEP * 1e9)}
+            constants |= {"FMI": self.fmi_version, "LOOPS": loops}
+            defined = [f"-D{name}={value!r}" for name, value in constants.items()]
+            _run(*OPTIONS, *defined, SOURCES / "closed_loop.c", "-o", program)
+        return program
 
 
 def build_lag(folder: Path, fmi_version: int) -> Lag:
     """Compile and package into `folder`; needs `cc`."""
     place = folder / f"lag_fmi{fmi_version}"
     place.mkdir()
-    library, program, fmu = place / "lag.so", place / "closed_loop", place / "lag.fmu"
+    library, fmu = place / "lag.so", place / "lag.fmu"
     source = SOURCES / f"fmi{fmi_version}.c"
     _run(*OPTIONS, "-fPIC", "-shared", "-fvisibility=hidden", source, "-o", library)
-    constants = {"REFERENCE": REFERENCE, "KP": KP, "KI": KI, "STEP_NS": round(STEP * 1e9)}
-    defined = [f"-D{name}={value!r}" for name, value in constants.items()]
-    _run(*OPTIONS, f"-DFMI={fmi_version}", *defined, SOURCES / "closed_loop.c", "-o", program)
     with zipfile.ZipFile(fmu, "w") as archive:
         archive.write(SOURCES / f"modelDescription_{fmi_version}.xml", "modelDescription.xml")
         binaries = "linux64" if fmi_version == 2 else platform_tuple()
         archive.write(library, f"binaries/{binaries}/lag.so")
-    return Lag(fmi_version, fmu, library, program)
+    return Lag(fmi_version, fmu, library)
 
 
 def _run(*command: str | Path) -> None:

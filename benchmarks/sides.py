@@ -8,7 +8,6 @@ the clock on the wall, so that a busy machine disturbs less; all sides are singl
 from __future__ import annotations
 
 import ctypes
-import math
 import subprocess
 import time
 from collections.abc import Callable
@@ -26,7 +25,8 @@ from benchmarks.pi import STEP, PlainPI, pi_block
 from benchmarks.timed_run import timed_run
 from harness.bench import Bench
 
-RECORDED = ("plant.y", "controller.u")
+RARELY = 1000
+"""Steps between two rows, where rows are not to count."""
 
 
 @dataclass(frozen=True)
@@ -37,43 +37,58 @@ class Measured:
     last: tuple[float, float] | None = None
 
 
-def bare_c(lag: Lag, record: bool, steps: int) -> Measured:
+def bare_c(lag: Lag, record: bool, steps: int, loops: int = 1) -> Measured:
     """The C program: dlopen, the same calls, rows in touched memory."""
-    command = [str(lag.program), str(lag.library), str(steps), str(int(record))]
+    command = [str(lag.program(loops)), str(lag.library), str(steps), str(int(record))]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     nanoseconds, y, u = text.split()
     return Measured(float(nanoseconds), (float.fromhex(y), float.fromhex(u)))
 
 
-def harness_loop(lag: Lag, controller: Any, record: bool, steps: int) -> Measured:
-    """Our loop through `plan_system` and `execute`, with everything that a run does."""
-    bench = Bench(stop_time=steps * STEP, step=STEP)
-    bench.fmu("plant", lag.fmu)
-    bench.controller("controller", controller)
-    bench.connect("plant.y", "controller.y")
-    bench.connect("controller.u", "plant.u")
-    run = timed_run(bench.system(), RECORDED if record else ())
-    y, u = (run.result[name][-1] if record else math.nan for name in RECORDED)
-    return Measured(run.nanoseconds, (float(y), float(u)) if record else None)
+def harness_loop(
+    lag: Lag, controller: Callable[[], Any], record: bool, steps: int, loops: int = 1
+) -> Measured:
+    """Our loop through `plan_system` and `execute`, with everything that a run does; a row each
+    step, or one in `RARELY`."""
+    every = STEP if record else RARELY * STEP
+    bench = Bench(stop_time=steps * STEP, step=STEP, record_step=every)
+    for i in range(loops):
+        bench.fmu(f"plant{i}", lag.fmu)
+        bench.controller(f"controller{i}", controller())
+        bench.connect(f"plant{i}.y", f"controller{i}.y")
+        bench.connect(f"controller{i}.u", f"plant{i}.u")
+    run = timed_run(bench.system(), ("plant*.y", "controller*.u"))
+    y, u = (float(run.result[f"{name}{loops - 1}.{of}"][-1]) for name, of in _ENDS)
+    share = run.nanoseconds if record else run.nanoseconds / RARELY
+    return Measured(share, (y, u))
 
 
-def compiled(lag: Lag, record: bool, steps: int) -> Measured:
-    """Our loop with the compiled controller."""
-    return harness_loop(lag, pi_block(), record, steps)
+_ENDS = (("plant", "y"), ("controller", "u"))
 
 
-def plain_python(lag: Lag, steps: int) -> Measured:
-    """Our loop with the plain Python controller, recorded."""
-    return harness_loop(lag, PlainPI(), True, steps)
+def compiled(lag: Lag, record: bool, steps: int, loops: int = 1) -> Measured:
+    """Our loop with compiled controllers."""
+    return harness_loop(lag, pi_block, record, steps, loops)
 
 
-def bare_python_controller(steps: int) -> Measured:
-    """Nothing but the plain Python controller, called in a Python loop."""
-    step = PlainPI().step
+def plain_python(lag: Lag, steps: int, loops: int = 1) -> Measured:
+    """Our loop with plain Python controllers, recorded."""
+    return harness_loop(lag, PlainPI, True, steps, loops)
+
+
+def bare_python_controller(steps: int, loops: int = 1) -> Measured:
+    """Nothing but the plain Python controllers, called in a Python loop."""
+    controllers = [PlainPI().step for _ in range(loops)]
+    step = controllers[0]
     t, y = 0.0, 0.5
     began = time.thread_time()
-    for _ in range(steps):
-        step(t, y)
+    if loops == 1:
+        for _ in range(steps):
+            step(t, y)
+    else:
+        for _ in range(steps):
+            for one in controllers:
+                one(t, y)
     return Measured(1e9 * (time.thread_time() - began) / steps)
 
 

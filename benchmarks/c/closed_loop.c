@@ -1,11 +1,11 @@
-/* The bare C program: the FMU's library by dlopen, a PI controller, the rows in memory.
+/* The bare C program: the FMU's library by dlopen, PI controllers, the rows in memory.
  *
  *     closed_loop LIBRARY STEPS RECORD
  *
  * prints nanoseconds of processor time a macro step, and y and u at the last instant as hexadecimal
- * floats. At each instant it gets y, computes u, sets it, stores a row where RECORD is 1, and
- * steps. Compiled with FMI=2 or FMI=3; REFERENCE, KP, KI (per step) and STEP_NS come from the
- * command line of cc. */
+ * floats. At each instant and for each of LOOPS closed loops it gets y, computes u and sets it,
+ * stores a row where RECORD is 1, and steps. Compiled with FMI=2 or FMI=3; LOOPS, REFERENCE, KP, KI
+ * (per step) and STEP_NS come from the command line of cc. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdbool.h>
@@ -17,7 +17,7 @@
 
 typedef struct {
     int64_t time;
-    double y, u;
+    double y[LOOPS], u[LOOPS];
 } Row;
 
 #if FMI == 2
@@ -26,14 +26,14 @@ typedef int (*Step)(void *, double, double, int);
 #define NAME(name) "fmi2" name
 #define GET "fmi2GetReal"
 #define SET "fmi2SetReal"
-#define ACCESS(function, reference, value) function(c, &reference, 1, &value)
+#define ACCESS(function, reference, value) function(c[i], &reference, 1, &value)
 #else
 typedef int (*Access)(void *, const unsigned *, size_t, double *, size_t);
 typedef int (*Step)(void *, double, double, bool, bool *, bool *, bool *, double *);
 #define NAME(name) "fmi3" name
 #define GET "fmi3GetFloat64"
 #define SET "fmi3SetFloat64"
-#define ACCESS(function, reference, value) function(c, &reference, 1, &value, 1)
+#define ACCESS(function, reference, value) function(c[i], &reference, 1, &value, 1)
 #endif
 
 static void *library;
@@ -79,32 +79,38 @@ int main(int count, char **arguments) {
     const bool record = atoi(arguments[3]);
     Access get = (Access)function(GET), set = (Access)function(SET);
     Step do_step = (Step)function(NAME("DoStep"));
-    void *c = initialised();
+    void *c[LOOPS];
+    for (int i = 0; i < LOOPS; i++) c[i] = initialised();
     Row *rows = malloc(record ? (steps + 1) * sizeof(Row) : 1);
     if (record) memset(rows, 0, (steps + 1) * sizeof(Row)); /* touched, so that C is at its best */
     const unsigned reference_u = 0, reference_y = 1;
-    double y = 0.0, u = 0.0, integral = 0.0;
+    double y[LOOPS] = {0}, u[LOOPS] = {0}, integral[LOOPS] = {0};
 
     const double began = now();
     for (long k = 0; k <= steps; k++) {
         const int64_t time = k * (int64_t)STEP_NS;
-        if (ACCESS(get, reference_y, y) > 1) return 1;
-        const double error = REFERENCE - y;
-        integral += KI * error;
-        u = KP * error + integral;
-        if (ACCESS(set, reference_u, u) > 1) return 1;
-        if (record) rows[k] = (Row){time, y, u};
+        for (int i = 0; i < LOOPS; i++) {
+            if (ACCESS(get, reference_y, y[i]) > 1) return 1;
+            const double error = REFERENCE - y[i];
+            integral[i] += KI * error;
+            u[i] = KP * error + integral[i];
+            if (ACCESS(set, reference_u, u[i]) > 1) return 1;
+            if (record) rows[k].y[i] = y[i], rows[k].u[i] = u[i];
+        }
+        if (record) rows[k].time = time;
         if (k == steps) break;
+        for (int i = 0; i < LOOPS; i++) {
 #if FMI == 2
-        if (do_step(c, time / 1e9, STEP_NS / 1e9, 1) > 1) return 1;
+            if (do_step(c[i], time / 1e9, STEP_NS / 1e9, 1) > 1) return 1;
 #else
-        bool event, terminate, early;
-        double last;
-        if (do_step(c, time / 1e9, STEP_NS / 1e9, true, &event, &terminate, &early, &last) > 1)
-            return 1;
-        if (terminate) return 1;
+            bool event, terminate, early;
+            double last, h = STEP_NS / 1e9;
+            if (do_step(c[i], time / 1e9, h, true, &event, &terminate, &early, &last) > 1)
+                return 1;
+            if (terminate) return 1;
 #endif
+        }
     }
-    printf("%.6f %a %a\n", (now() - began) / steps, y, u);
+    printf("%.6f %a %a\n", (now() - began) / steps, y[LOOPS - 1], u[LOOPS - 1]);
     return 0;
 }

@@ -19,6 +19,7 @@ from harness.errors import FmuError, SimulationError
 from harness.fmi.binding.instance import FmuInstance, StepOutcome
 from harness.fmi.binding.interface import CO_SIMULATION
 from harness.participants import context as x
+from harness.participants.attempt import Attempt
 from harness.participants.clocks import has_input_clocks
 from harness.participants.divided_steps import MOST_HALVINGS, Stepper
 from harness.participants.driven import DrivenParticipant
@@ -39,6 +40,7 @@ class CoSimulation(DrivenParticipant):
     steps = True
     has_events = False
     _stepper: Stepper | None = None
+    _attempt: Attempt | None = None
 
     def instantiate(self) -> FmuInstance:
         """With event mode where the FMU has it; some claim one that they do not have."""
@@ -71,6 +73,7 @@ class CoSimulation(DrivenParticipant):
         self._direct = not (self.has_events or timed or divides)
         if not self._direct:
             self._stepper = Stepper(self.instance, self.notes, self.seconds, divides)
+        self._tries = not (self._direct or self.has_events or timed)
         self._in_event, self._near, self._last, self._still = False, 0, float("nan"), 0
         self._flags = np.zeros(2, dtype=np.int64)
         self._given: dict[int, int] = {}
@@ -107,7 +110,12 @@ class CoSimulation(DrivenParticipant):
     def step(self, ticks: int, final: bool) -> Iterator[Row]:
         """One doStep, or what does more."""
         if not self._direct:
-            yield self.stepping(self._step, ticks)
+            row = self.stepping(self._step, ticks)
+            if self._tries and self._stepper is not None:
+                tried = Attempt(self.instance, self._stepper, self.seconds, row[1])
+                self._attempt = tried
+                row = [op.STEP_CALL, tried.address, tried.context, ticks]
+            yield row
             return
         head = [self.instance.address("DoStep"), self.instance.handle or 0, ticks]
         if self.instance.prefix != "fmi3":
@@ -175,6 +183,8 @@ class CoSimulation(DrivenParticipant):
             if self._in_event:
                 self._handle(time)
             time = self._part(time, target)
+        if self._attempt is not None:
+            self._attempt.done()
         return 0
 
     def _part(self, time: float, target: float) -> float:
@@ -187,6 +197,8 @@ class CoSimulation(DrivenParticipant):
         else:
             self.inputs.apply(self.instance, time)
         assert self._stepper is not None
+        if self._attempt is not None:
+            self._attempt.hand_over()
         outcome, planned = self._stepper.advance(time, goal)
         if outcome.discarded:
             self._discarded(time, outcome)

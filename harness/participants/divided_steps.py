@@ -57,6 +57,16 @@ class Stepper:
             return replace(outcome, discarded=False), outcome.time
         return outcome, end
 
+    @property
+    def is_free(self) -> bool:
+        """Whether the next step is tried in its whole length."""
+        return self._size == float("inf")
+
+    @property
+    def place(self) -> int:
+        """The address of the pointer to the snapshot; 0 where there are none."""
+        return ctypes.addressof(self._state) if self._snapshots else 0
+
     def close(self) -> None:
         """Give the snapshot back."""
         if self._state and self._instance.alive:
@@ -66,7 +76,7 @@ class Stepper:
 
     def _save(self) -> None:
         """Take a snapshot; an FMU that cannot do what it promised does without."""
-        if not self._snapshots:
+        if not self._snapshots or self._instance.tried is not None:
             return
         try:
             self._instance.get_state(self._state)

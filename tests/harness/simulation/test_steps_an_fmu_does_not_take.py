@@ -12,6 +12,8 @@ from tests.harness.fmi.archives import member, rewritten
 from tests.harness.simulation.fmus import model_fmu, needs_compiler
 
 pytestmark = needs_compiler
+IN_PYTHON = {"i_in": ([0.0, 9.0], [0, 1])}
+"""An input over time, for which Python takes every step."""
 
 
 def fixed_step_fmu(folder: Path) -> Path:
@@ -48,13 +50,13 @@ def test_a_discarded_step_ends_the_run_with_how_far_it_came(
     monkeypatch.setattr(Fmi2Instance, "advance", lambda *_: given_up)
     words = r"t = 0\.07 s was discarded \(computed up to 0\.07 s\)"
     with pytest.raises(SimulationError, match=words):
-        simulate(model_fmu("2"), stop_time=1.0, step_size=0.1)
+        simulate(model_fmu("2"), stop_time=1.0, step_size=0.1, inputs=IN_PYTHON)
 
 
 def test_a_step_that_ends_early_without_leave_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Fmi2Instance, "advance", lambda *_: StepOutcome(0.05))
     with pytest.raises(FmuError, match=r"ended at 0\.05 s, though no early return was allowed"):
-        simulate(model_fmu("2"), stop_time=1.0, step_size=0.1)
+        simulate(model_fmu("2"), stop_time=1.0, step_size=0.1, inputs=IN_PYTHON)
 
 
 def test_rows_may_be_rarer_than_steps() -> None:
