@@ -2,8 +2,8 @@
 
     bench = Bench(stop_time=3.0, step=0.01)
     bench.fmu("plant", "hybrid_actuator")
-    bench.controller("controller", "pid", Kp=2e-4, Ki=1e-3)
-    bench.signal("reference", "step", time=0.1, final=2000.0)
+    bench.controller("controller", "pid", kp=6.5e-5, ki=1.1e-4, u_min=-1.0, u_max=1.0)
+    bench.signal("reference", "step", time=0.1, final=2000.0, unit="N")
     bench.connect("reference.value", "controller.reference")
     bench.connect("plant.force", "controller.measured", noise={"std": 5.0})
     bench.connect("controller.u", "plant.command")

@@ -13,7 +13,7 @@ import os
 import sys
 import warnings
 from contextlib import suppress
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -69,6 +69,26 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"fmu-harness {version('fmu-harness')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Closes the loop between plant FMUs and digital controllers."""
+
+
 for command in (
     listing.list_command, run.run_command, run.resume_command, reproduce.reproduce_command,
     build.build_command, export.export_command, simulate.simulate_command, info.info_command,
