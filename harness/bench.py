@@ -21,7 +21,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
@@ -47,6 +47,9 @@ from harness.system.graph import (
     System,
 )
 from harness.system.policy import Policy
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Bench", "Echo", "Progress"]
 
@@ -224,6 +227,20 @@ class Bench:
                 convert_units,
             )
         )
+
+    def ports(self) -> pd.DataFrame:
+        """What there is to wire, a row a port: "component.variable", input or output, type, unit,
+        what it is wired from, and what it is; FMUs are opened for it."""
+        import pandas as pd
+
+        from harness.master.opened import descriptions_of, opened
+        from harness.system.check import ports_of
+
+        system = self.system()
+        with opened(system) as fmus:
+            rows = ports_of(system, descriptions_of(system, fmus))
+        heads = ("port", "direction", "type", "unit", "wired from", "meaning")
+        return pd.DataFrame(list(rows), columns=list(heads)).set_index("port")
 
     # running
 

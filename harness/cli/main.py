@@ -20,6 +20,7 @@ from typer.core import TyperGroup
 
 from harness.cli import (
     build,
+    describe,
     doctor,
     export,
     info,
@@ -90,9 +91,10 @@ def _options(
 
 
 for command in (
-    listing.list_command, run.run_command, run.resume_command, reproduce.reproduce_command,
-    build.build_command, export.export_command, simulate.simulate_command, info.info_command,
-    doctor.doctor_command, validate.validate_command, timing.timing_command, verify.verify_command,
+    listing.list_command, describe.describe_command, run.run_command, run.resume_command,
+    reproduce.reproduce_command, build.build_command, export.export_command,
+    simulate.simulate_command, info.info_command, doctor.doctor_command,
+    validate.validate_command, timing.timing_command, verify.verify_command,
 ):  # fmt: skip
     app.command(command.__name__.removesuffix("_command"))(command)
 
