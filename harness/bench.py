@@ -269,6 +269,7 @@ class Bench:
         limits: Limits | None = None,
         in_process: bool | None = None,
         resume: bool = False,
+        overwrite: bool = False,
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
@@ -281,12 +282,14 @@ class Bench:
         hangs or exits ends the run and not the caller; with `in_process` true all of it runs in
         this process. What plain Python controllers remember stays in the run; what those without
         outputs see is there afterwards where they run in this process.
-        With `resume` the run in `folder` goes on from its last checkpoint.
+        With `resume` the run in `folder` goes on from its last checkpoint, with `overwrite` it is
+        replaced; else a folder that holds something is refused.
         """
         try:
             return self._run(
                 None if folder is None else Path(folder), limits, in_process, resume,
                 progress=progress, echo=echo, experiment=experiment, needed=needed,
+                overwrite=overwrite,
             )  # fmt: skip
         except KeyboardInterrupt as interrupt:
             if not hasattr(interrupt, "result"):  # before anything was recorded
