@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from harness.bench import Bench
     from harness.errors import HarnessError
     from harness.experiment.experiment import Experiment
+    from harness.experiment.reopen import open_results as open
     from harness.fmi.fmu import Fmu
     from harness.results.recording import read_recording
     from harness.results.result import Result
@@ -25,14 +26,18 @@ _PLACES = {
     "Fmu": "harness.fmi.fmu",
     "HarnessError": "harness.errors",
     "Result": "harness.results.result",
+    "open": "harness.experiment.reopen:open_results",
     "read_recording": "harness.results.recording",
     "simulate": "harness.simulation",
 }
 
-__all__ = ["Bench", "Experiment", "Fmu", "HarnessError", "Result", "read_recording", "simulate"]
+__all__ = [
+    "Bench", "Experiment", "Fmu", "HarnessError", "Result", "open", "read_recording", "simulate",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
     if name not in _PLACES:
         raise AttributeError(f"module 'harness' has no attribute {name!r}")
-    return getattr(import_module(_PLACES[name]), name)
+    module, _, attribute = _PLACES[name].partition(":")
+    return getattr(import_module(module), attribute or name)

@@ -2,8 +2,8 @@
 
     bench = Bench(stop_time=3.0, step=0.01)
     bench.fmu("plant", "hybrid_actuator")
-    bench.controller("controller", "pid", Kp=2e-4, Ki=1e-3)
-    bench.signal("reference", "step", time=0.1, final=2000.0)
+    bench.controller("controller", "pid", kp=6.5e-5, ki=1.1e-4, u_min=-1.0, u_max=1.0)
+    bench.signal("reference", "step", time=0.1, final=2000.0, unit="N")
     bench.connect("reference.value", "controller.reference")
     bench.connect("plant.force", "controller.measured", noise={"std": 5.0})
     bench.connect("controller.u", "plant.command")
@@ -21,7 +21,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
@@ -47,6 +47,9 @@ from harness.system.graph import (
     System,
 )
 from harness.system.policy import Policy
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Bench", "Echo", "Progress"]
 
@@ -225,6 +228,20 @@ class Bench:
             )
         )
 
+    def ports(self) -> pd.DataFrame:
+        """What there is to wire, a row a port: "component.variable", input or output, type, unit,
+        what it is wired from, and what it is; FMUs are opened for it."""
+        import pandas as pd
+
+        from harness.master.opened import descriptions_of, opened
+        from harness.system.check import ports_of
+
+        system = self.system()
+        with opened(system) as fmus:
+            rows = ports_of(system, descriptions_of(system, fmus))
+        heads = ("port", "direction", "type", "unit", "wired from", "meaning")
+        return pd.DataFrame(list(rows), columns=list(heads)).set_index("port")
+
     # running
 
     def system(self) -> System:
@@ -252,6 +269,7 @@ class Bench:
         limits: Limits | None = None,
         in_process: bool | None = None,
         resume: bool = False,
+        overwrite: bool = False,
     ) -> Result:
         """Run to the stop time; rows go to `folder`, or stay in memory.
 
@@ -264,12 +282,14 @@ class Bench:
         hangs or exits ends the run and not the caller; with `in_process` true all of it runs in
         this process. What plain Python controllers remember stays in the run; what those without
         outputs see is there afterwards where they run in this process.
-        With `resume` the run in `folder` goes on from its last checkpoint.
+        With `resume` the run in `folder` goes on from its last checkpoint, with `overwrite` it is
+        replaced; else a folder that holds something is refused.
         """
         try:
             return self._run(
                 None if folder is None else Path(folder), limits, in_process, resume,
                 progress=progress, echo=echo, experiment=experiment, needed=needed,
+                overwrite=overwrite,
             )  # fmt: skip
         except KeyboardInterrupt as interrupt:
             if not hasattr(interrupt, "result"):  # before anything was recorded

@@ -69,16 +69,20 @@ def plant(name: str) -> Plant:
 
 
 def plant_fmu(
-    name: str, fmi_version: int = 3, *, portable: bool = False, targets: Sequence[str] = ()
+    name: str | Plant,
+    fmi_version: int = 3,
+    *,
+    portable: bool = False,
+    targets: Sequence[str] = (),
 ) -> Path:
-    """The FMU of a plant, FMI 2 where it is `portable`, with binaries for this machine or for
-    `targets`; raises `FmuError` when there is none."""
-    found = plant(name)
+    """The FMU of a plant, by name or itself, FMI 2 where it is `portable`, with binaries for this
+    machine or for `targets`; raises `FmuError` when there is none."""
+    found = plant(name) if isinstance(name, str) else name
     given = {"targets": targets} if targets else {}  # plants of others may know this machine only
     try:
         return found.fmu(fmi_version, portable=portable, **given)
     except Exception as fault:  # a plant of another package has errors of its own
-        raise FmuError(f"plant {name} cannot be packaged as an FMU: {fault}") from fault
+        raise FmuError(f"plant {found.name} cannot be packaged as an FMU: {fault}") from fault
 
 
 def controller(name: str) -> Any:

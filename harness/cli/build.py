@@ -51,7 +51,7 @@ def build_command(
         list[str] | None, typer.Option(help="Its controllers; all when absent; repeatable")
     ] = None,
     name: Annotated[
-        str | None, typer.Option(help="Name of the FMU, where there is one controller")
+        str | None, typer.Option(help="Name of the FMU, where there is one plant or controller")
     ] = None,
 ) -> None:
     """Write plants and controllers as FMUs: OUTPUT/fmi2/NAME.fmu, OUTPUT/fmi3/NAME.fmu, with
@@ -104,11 +104,14 @@ def _built(
     asked: str | FoundBlock, name: str | None, version: int, **packaging: Any
 ) -> tuple[str, Path]:
     """The name of the FMU of a plant or controller, which is `name` if given, and its file."""
+    from harness.export.controller import identifier
+
     if isinstance(asked, str):
         from harness.export.plant import certified_plant_fmu
 
-        return registry.plant(asked).name, certified_plant_fmu(asked, version, **packaging)
-    from harness.export.controller import controller_fmu, identifier
+        made = identifier(name) if name else registry.plant(asked).name
+        return made, certified_plant_fmu(asked, version, rename=name, **packaging)
+    from harness.export.controller import controller_fmu
 
     chosen = identifier(name or asked.name)
     return chosen, controller_fmu(
@@ -141,13 +144,13 @@ def _named(
     names: list[str], sample_time: float | None, set_: list[str] | None, name: str | None
 ) -> Sequence[str | FoundBlock]:
     """The plants and controllers that are registered as `names`, or "package.module:Class"."""
+    if name is not None and len(names) > 1:
+        raise UsageError(f"--name is for one plant or controller, here are {len(names)}")
     plants = list(filter(_is_plant, names))
     if len(plants) == len(names):
-        if sample_time is not None or set_ or name:
-            raise UsageError("--sample-time, --set and --name are for controllers, not for plants")
+        if sample_time is not None or set_:
+            raise UsageError("--sample-time and --set are for controllers, not for plants")
         return plants
-    if name is not None and len(names) - len(plants) > 1:
-        raise UsageError(f"--name is for one controller, here are {len(names) - len(plants)}")
     from harness.export.find import named_controller
 
     return [

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from harness.cli.options import AsJson, Compile, FmuFile, Validate
 from harness.cli.tables import show_table
 from harness.cli.terminal import properties
+from harness.errors import UsageError
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -33,6 +34,11 @@ def info_command(
     """Show identity, capabilities and variables of an FMU."""
     from harness.fmi.fmu import Fmu
 
+    if not fmu.exists() and fmu.suffix != ".fmu":
+        from harness.experiment.catalogue import hint
+
+        if said := hint(str(fmu)):
+            raise UsageError(f"FMU {fmu} is not a file; {said}")
     if compile_:
         from harness.fmi.sources import compiled
 

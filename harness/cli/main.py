@@ -13,13 +13,14 @@ import os
 import sys
 import warnings
 from contextlib import suppress
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from harness.cli import (
     build,
+    describe,
     doctor,
     export,
     info,
@@ -69,10 +70,31 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print(f"fmu-harness {version('fmu-harness')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Closes the loop between plant FMUs and digital controllers."""
+
+
 for command in (
-    listing.list_command, run.run_command, run.resume_command, reproduce.reproduce_command,
-    build.build_command, export.export_command, simulate.simulate_command, info.info_command,
-    doctor.doctor_command, validate.validate_command, timing.timing_command, verify.verify_command,
+    listing.list_command, describe.describe_command, run.run_command, run.resume_command,
+    reproduce.reproduce_command, build.build_command, export.export_command,
+    simulate.simulate_command, info.info_command, doctor.doctor_command,
+    validate.validate_command, timing.timing_command, verify.verify_command,
 ):  # fmt: skip
     app.command(command.__name__.removesuffix("_command"))(command)
 

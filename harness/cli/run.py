@@ -28,6 +28,9 @@ def run_command(
     output: Annotated[
         Path | None, typer.Option(help="Run folder; runs/NAME-DATE-TIME when absent")
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the run that the folder holds")
+    ] = False,
     study: Annotated[bool, typer.Option(help="Repeat over the seeds of [study]")] = False,
     sweep: Annotated[bool, typer.Option(help="Run over the grid of [sweep]")] = False,
     jobs: options.Jobs = 0,
@@ -54,7 +57,7 @@ def run_command(
         check_experiment(loaded, chosen)
         folder = output or registry.run_folder(loaded.name)
         record = RunRecord(loaded, chosen, changed, kind)
-        record.write(folder)
+        record.write(folder, overwrite=overwrite)
         _finish(record, folder, jobs=jobs, logging=fmi_logging)
 
 

@@ -17,11 +17,14 @@ from typing import Any
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
+from harness.experiment.journal import JOURNAL_FILE
+from harness.experiment.reopen import RUN_FILE
 from harness.results.atomic import ANOTHER_FOLDER, writing
 from harness.results.manifest import FmuRecord, Manifest, read_manifest, run_state
+from harness.results.recording import clear_run
 from harness.ssp import is_package
 
-RUN_FILE = "experiment.json"
+_TABLES = ("metrics.csv", "study.csv", "regions.csv", "regions.png")
 _PACKAGE_FILES = (".ssd", ".ssv", ".ssm", ".ssb", ".ssp", ".fmu", ".csv")
 
 
@@ -35,8 +38,11 @@ class RunRecord:
     settings: Mapping[str, Any] = field(default_factory=dict)
     kind: str = "run"
 
-    def write(self, folder: Path) -> None:
-        """Begin the folder; raises `RecordingError` where another run has, or it cannot be made."""
+    def write(self, folder: Path, *, overwrite: bool = False) -> None:
+        """Begin the folder, in place of what was run into it if `overwrite`; raises
+        `RecordingError` where another run has, or it cannot be made."""
+        if overwrite and (folder / RUN_FILE).exists():
+            _clear(folder)
         path = self.experiment.path.resolve()
         content: dict[str, Any] = {
             "file": str(path),
@@ -55,7 +61,8 @@ class RunRecord:
             except FileExistsError as fault:
                 raise RecordingError(
                     f"the run folder {folder} holds a run already; nothing was changed in it: "
-                    f"choose another folder, or go on with it by `fmu-harness resume {folder}`"
+                    f"choose another folder, replace it by --overwrite, or go on with it by "
+                    f"`fmu-harness resume {folder}`"
                 ) from fault
             except OSError:
                 file.unlink(missing_ok=True)
@@ -88,6 +95,15 @@ class RunRecord:
         return Manifest(
             fmus=fmus, seeds=seeds, experiment={**file, "kind": self.kind, "variants": resolved}
         )
+
+
+def _clear(folder: Path) -> None:
+    """Remove what a run, study or sweep has written; pictures are replaced by those to come."""
+    for one in (folder, *(inner for inner in folder.iterdir() if inner.is_dir())):
+        clear_run(one)
+    with writing(f"cannot clear the run folder {folder}", way_out=ANOTHER_FOLDER):
+        for name in (RUN_FILE, JOURNAL_FILE, *_TABLES):
+            (folder / name).unlink(missing_ok=True)
 
 
 def digest_of(file: Path) -> str:

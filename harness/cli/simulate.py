@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from dataclasses import replace
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -178,11 +181,19 @@ def _write(result: Result, csv: Path | None, plot: Path | None, show: bool) -> N
     if (plot is not None or show) and result.numeric and len(result.time) and result.manifest.fmus:
         from harness.results.plots import save_figure
 
-        path = plot or Path(f"{result.manifest.fmus[0].instance}.png")
+        if plot is None and not _has_display():
+            note("there is no display to show the plot on; --plot-file FILE draws it into a file")
+            return
+        path = plot or Path(mkdtemp(prefix="fmu-harness-")) / f"{_instance(result, '')}.png"
         save_figure(path, result.plot(title=_instance(result, " ({})")))
         say(f"written: {path}")
-        if show:
+        if show and _has_display():
             typer.launch(str(path))
+
+
+def _has_display() -> bool:
+    """Whether a picture can be shown here."""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
 def _instance(result: Result, kind: str) -> str:

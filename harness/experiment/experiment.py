@@ -178,11 +178,12 @@ class Experiment:
         limits: Limits | None = None,
         in_process: bool | None = None,
         resume: bool = False,
+        overwrite: bool = False,
     ) -> Result:
         """Run one variant; its metrics are in the result. Raises its fault, as `Bench.run` does.
 
         `limits` are those of the file where none are given. With `resume` a run that is complete
-        in `folder` is read, and one that ended early goes on.
+        in `folder` is read, and one that ended early goes on; with `overwrite` it is replaced.
         """
         spec = self.variant_spec(variant)
         state = run_state(Path(folder)) if resume and folder is not None else ""
@@ -193,7 +194,7 @@ class Experiment:
             result = bench.run(
                 folder, progress=progress, echo=echo, experiment=self.resolved(variant, spec),
                 needed=needed_signals(spec), limits=limits or spec.run_limits(),
-                in_process=in_process, resume=bool(state),
+                in_process=in_process, resume=bool(state), overwrite=overwrite,
             )  # fmt: skip
         except HarnessError as fault:
             if fault.result is not None:

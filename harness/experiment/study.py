@@ -107,34 +107,45 @@ def run_study(
     as it was done.
     """
     check_metrics(experiment)
-    study, journal = Study(experiment, (), {}), journal or Journal()
-    chosen = variants or study.spec.variants or experiment.variants
-    seeds = tuple(range(experiment.spec.seed, experiment.spec.seed + study.spec.seeds))
-    levels = study.spec.levels
-    values = (None,) if levels is None else levels.values
-    points = {value: _points(experiment, seeds, levels, value) for value in values}
-
-    def found() -> Study:
-        at = {
-            value: replace(
-                study,
-                seeds=seeds,
-                runs={v: tuple(_or_lost(journal, v, point) for point in own) for v in chosen},
-            )
-            for value, own in points.items()
-        }
-        if levels is None:
-            return at[None]
-        by_value = {value: one for value, one in at.items() if value is not None}
-        return replace(by_value[levels.nominal], levels=by_value)
-
-    rows = [[point] for point in points[None]] if levels is None else list(points.values())
+    journal, spec = journal or Journal(), Study(experiment, (), {}).spec
+    chosen = variants or spec.variants or experiment.variants
+    points = _points_of_levels(experiment, spec)
+    rows = list(points.values()) if spec.levels is not None else [[p] for p in points[None]]
     try:
         run_points(experiment, chosen, rows, journal, workers=workers, progress=progress)
     except (KeyboardInterrupt, HarnessError) as fault:
-        fault.result = found()  # type: ignore[union-attr]
+        fault.result = study_so_far(experiment, journal, chosen)  # type: ignore[union-attr]
         raise
-    return found()
+    return study_so_far(experiment, journal, chosen)
+
+
+def study_so_far(experiment: Experiment, journal: Journal, variants: Sequence[str]) -> Study:
+    """The study of what is in the journal; nothing is run."""
+    study = Study(experiment, (), {})
+    seeds, levels = _seeds(experiment, study.spec), study.spec.levels
+    at = {
+        value: replace(
+            study,
+            seeds=seeds,
+            runs={v: tuple(_or_lost(journal, v, point) for point in own) for v in variants},
+        )
+        for value, own in _points_of_levels(experiment, study.spec).items()
+    }
+    if levels is None:
+        return at[None]
+    by_value = {value: one for value, one in at.items() if value is not None}
+    return replace(by_value[levels.nominal], levels=by_value)
+
+
+def _seeds(experiment: Experiment, spec: StudySpec) -> tuple[int, ...]:
+    return tuple(range(experiment.spec.seed, experiment.spec.seed + spec.seeds))
+
+
+def _points_of_levels(experiment: Experiment, spec: StudySpec) -> dict[float | None, list[Point]]:
+    """The runs by value of the quantity, None where there is none."""
+    values = (None,) if spec.levels is None else spec.levels.values
+    seeds = _seeds(experiment, spec)
+    return {value: _points(experiment, seeds, spec.levels, value) for value in values}
 
 
 def _points(

@@ -104,12 +104,14 @@ def run_sweep(
         with given_or_one(workers) as crew:
             outcome, ran = explore(shape, spec.spacing, run, lambda values: values < spec.below)
     except (KeyboardInterrupt, HarnessError) as fault:
-        fault.result = _so_far(experiment, chosen, journal)  # type: ignore[union-attr]
+        fault.result = sweep_so_far(experiment, chosen, journal)  # type: ignore[union-attr]
         raise
     return {v: Region(v, spec, outcome[k], ran) for k, v in enumerate(chosen)}
 
 
-def _so_far(experiment: Experiment, variants: Sequence[str], journal: Journal) -> dict[str, Region]:
+def sweep_so_far(
+    experiment: Experiment, variants: Sequence[str], journal: Journal
+) -> dict[str, Region]:
     """The regions of a sweep that ended early."""
     spec, found = _spec(experiment), {}
     points = [

@@ -78,6 +78,7 @@ class PreparedSystem:
         echo: Echo | None = None,
         experiment: Mapping[str, Any] | None = None,
         needed: Iterable[str] = (),
+        overwrite: bool = False,
     ) -> Result:
         """Run with another `seed`, and with `start_values` besides those of the system.
 
@@ -90,7 +91,7 @@ class PreparedSystem:
         place = None if folder is None else Path(folder)
         with (
             Interrupts() as interrupts,
-            Recording(self._columns, place, manifest) as recording,
+            Recording(self._columns, place, manifest, overwrite=overwrite) as recording,
         ):
 
             def moved(share: float) -> None:

@@ -43,6 +43,7 @@ def run_supervised(
     experiment: Mapping[str, Any] | None = None,
     needed: Iterable[str] = (),
     resume: bool = False,
+    overwrite: bool = False,
 ) -> Result:
     """Run `system` in a worker process; otherwise as `Bench.run`.
 
@@ -59,7 +60,7 @@ def run_supervised(
 
     def begin(manifest: Manifest) -> Recording:
         whole = replace(manifest, experiment=dict(experiment or {}))
-        return Recording(whole.columns, folder, whole, continued=first)
+        return Recording(whole.columns, folder, whole, continued=first, overwrite=overwrite)
 
     job = Job(system, tuple(record), tuple(needed), echo is not None, limits, resumed)
     marker, descriptor = Marker(), shared_file(0)

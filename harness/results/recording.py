@@ -45,9 +45,24 @@ from harness.results.columns import (
     texts_of,
     values_of,
 )
-from harness.results.manifest import COMPLETE, INCOMPLETE, RUNNING, Manifest, RunStatus
+from harness.results.manifest import (
+    COMPLETE,
+    INCOMPLETE,
+    RUNNING,
+    Manifest,
+    RunStatus,
+    read_manifest,
+)
+from harness.results.manifest import FILE_NAME as MANIFEST_FILE
 from harness.results.result import Result
-from harness.results.storage import STREAM_FILE, first_rows, read_recording, seal
+from harness.results.storage import (
+    CSV_FILE,
+    PARQUET_FILE,
+    STREAM_FILE,
+    first_rows,
+    read_recording,
+    seal,
+)
 
 try:
     import fcntl
@@ -57,6 +72,10 @@ except ImportError:  # Windows
 _QUICK_BYTES = 2**23  # turned into Parquet and CSV in a fraction of a second
 
 __all__ = ["Column", "Recording", "read_recording", "seal"]
+
+_OWN_FILES = (
+    STREAM_FILE, "rows.partial", PARQUET_FILE, CSV_FILE, MANIFEST_FILE, "checkpoint.npz",
+)  # fmt: skip
 
 
 class Recording:
@@ -74,11 +93,12 @@ class Recording:
         manifest: Manifest | None = None,
         *,
         continued: int | None = None,
+        overwrite: bool = False,
     ) -> None:
         """Opens the recording; raises `RecordingError` where the folder cannot be used.
 
         With `continued` the folder holds a run that ended early, and its first so many rows are
-        kept; what came after them is dropped.
+        kept; what came after them is dropped. With `overwrite` a run that it holds is removed.
         """
         self.columns = check_columns(columns)
         self.folder = None if folder is None else Path(folder)
@@ -95,6 +115,8 @@ class Recording:
         self._lock = ExitStack()
         if self.folder is not None:
             with ExitStack() as stack:
+                if overwrite:
+                    clear_run(self.folder)
                 stack.enter_context(locked(self.folder))
                 self._open(self.folder, continued)
                 self._lock = stack.pop_all()
@@ -301,11 +323,24 @@ def _lock(folder: Path) -> int | None:
     return descriptor
 
 
+def clear_run(folder: Path) -> None:
+    """Remove what a run has written into `folder`, and nothing else; a folder that holds none stays
+    as it is. Raises `RecordingError` where that cannot be, or the run is being written."""
+    try:
+        read_manifest(folder)
+    except RecordingError:
+        return
+    with writing(f"cannot clear the run folder {folder}", way_out=ANOTHER_FOLDER), locked(folder):
+        for name in _OWN_FILES:
+            (folder / name).unlink(missing_ok=True)
+
+
 def check_empty(folder: Path) -> None:
     """Raises `RecordingError` where the run folder holds something."""
     held = next(folder.iterdir(), None)
     if held is not None:
         raise RecordingError(
             f"the run folder {folder} is not empty (it holds {held.name!r}); nothing was changed "
-            "in it: choose another folder, or remove it first"
+            "in it: choose another folder, remove it first, or replace the run that it holds by "
+            "overwrite (on the command line --overwrite)"
         )

@@ -68,6 +68,24 @@ def inputs_of(component: Component, descriptions: Descriptions) -> dict[str, Por
     return _signals(component, component.inputs)
 
 
+def ports_of(system: System, descriptions: Descriptions) -> Iterator[tuple[str, ...]]:
+    """A row for each port of the interfaces of a system: name, direction, type, unit, what it is
+    wired from, description. Parameters and local variables of FMUs are none."""
+    sources = {c.target: str(c.source) for c in system.connections}
+    for c in system.components:
+        for direction, known in (
+            ("input", inputs_of(c, descriptions)),
+            ("output", outputs_of(c, descriptions)),
+        ):
+            for name, info in known.items():
+                end = Endpoint(c.name, name)
+                d = descriptions.get(c.name)
+                if d is not None and d.port(name).causality != direction:
+                    continue
+                unit = "" if info.unit is None else info.unit.name
+                yield str(end), direction, info.type, unit, sources.get(end, ""), info.description
+
+
 def _signals(component: Component, signals: Iterable[BlockSignal]) -> dict[str, PortInfo]:
     """Ports of plain Python take what they are wired to, others are real."""
     kind = ANY if isinstance(component, PythonComponent) else "Float64"

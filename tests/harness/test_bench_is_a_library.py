@@ -66,7 +66,7 @@ BAD: list[tuple[str, tuple[Any, ...], dict[str, Any], str]] = [
     ("controller", ("c", "math:nothing"), {}, "controller 'math:nothing' cannot be imported"),
     ("controller", ("c", lambda *, y: y), {}, r"takes \(time, input, input, …\) by position"),
     ("controller", ("c", 7), {}, "7 is no controller; give a registered name"),
-    ("controller", ("c", lambda time: 0.0), {"gain": 1}, "parameters are taken with a name or a"),
+    ("controller", ("c", lambda time: 0.0), {"gain": 1}, "'gain' is no argument with a default"),
     ("controller", ("c", "pid"), {"sample_time": -1.0}, "sample_time of c must be positive"),
     ("controller", ("c", "pid"), {"sample_time": 1 / 3}, "no whole number of nanoseconds"),
     ("signal", ("s", "stp"), {}, "component s: unknown signal kind 'stp': did you mean 'step'"),

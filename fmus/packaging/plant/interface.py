@@ -10,13 +10,14 @@ This module refuses to know equations, XML or C.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
 
 from fmus.declaration import Parameter, PlantModel, State, Variable
 from fmus.packaging.errors import PackagingError
+from fmus.packaging.units import base_unit
 
 # The solver's tolerance where the importer asks for none; that of state i is this times
 # (nominal_i + |x_i|). Every state of every plant then stays within 1e-5 of its range where the
@@ -101,6 +102,26 @@ def _check_values(plant: PlantModel) -> None:
             )
     for parameter in plant.parameters:
         _check_bounds(plant, parameter)
+    named: dict[str, Sequence[State | Variable]] = {
+        "state": plant.states,
+        "input": plant.inputs,
+        "output": plant.outputs,
+    }
+    for kind, own in named.items():
+        for one in own:
+            _check_unit(plant, f"{kind} {one.name!r}", one.unit)
+    for parameter in plant.parameters:
+        _check_unit(plant, f"parameter {parameter.name!r}", parameter.unit)
+
+
+def _check_unit(plant: PlantModel, whose: str, unit: str) -> None:
+    try:
+        base_unit(unit)
+    except PackagingError as fault:
+        raise PackagingError(
+            f"Plant {plant.name!r}: {whose}: {fault} Exponents are whole numbers; what "
+            "has no unit, or one that FMI cannot write, has '1'."
+        ) from fault
 
 
 def _check_bounds(plant: PlantModel, parameter: Parameter) -> None:
