@@ -84,19 +84,25 @@ def picture(found: Found, path: Path) -> None:
     axes = figure.subplots()
     if one.sizes:
         sizes = [s for s, name in zip(one.sizes, one.sides, strict=True) if name in names]
-        axes.errorbar(sizes, medians, yerr=spread, marker="o", capsize=3)
-        axes.set(xscale="log", xlabel=one.axis, ylabel=one.unit)
-        axes.set_ylim(0.0, 1.25 * max(map(max, values)))
+        axes.errorbar(sizes, medians, yerr=spread, marker="o", capsize=3, color="C1")
+        axes.set(xscale="log", yscale="log", xlabel=one.axis, ylabel=one.unit)
+        axes.set_ylim(min(map(min, values)) / 2.0, 2.0 * max(map(max, values)))
     else:
-        ours = ["C1" if "ours" in name else "C0" for name in names]
         places = range(len(names))[::-1]
-        axes.barh(places, medians, xerr=spread, color=ours, capsize=3, error_kw={"lw": 1})
+        for place, name, median, below, above in zip(places, names, medians, *spread, strict=True):
+            colour = "C1" if "ours" in name else "C0"
+            span = [[below], [above]]
+            axes.errorbar(median, place, xerr=span, fmt="o", capsize=3, color=colour)
+            axes.annotate(
+                number(median), (median, place), (0, 5), textcoords="offset points",
+                ha="center", fontsize=7,
+            )  # fmt: skip
         axes.set_yticks(places, names)
         axes.set(xscale="log", xlabel=one.unit)
-        for place, median in zip(places, medians, strict=True):
-            axes.text(median, place + 0.24, f" {number(median)}", va="center", fontsize=7)
+        axes.set_xlim(min(map(min, values)) / 2.0, 2.0 * max(map(max, values)))
+        axes.set_ylim(-0.6, len(names) - 0.2)
     axes.set_title(one.title, fontsize=10)
-    axes.grid(alpha=0.3, which="both")
+    axes.grid(alpha=0.3, which="major")
     figure.savefig(path, dpi=110)
 
 

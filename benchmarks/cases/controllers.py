@@ -53,7 +53,7 @@ def inputs(name: str) -> Array:
     """What a controller read in its experiment, shape (rows, n_u), repeated to `ROWS`."""
     file, variant, component = EXAMPLES[name]
     block, _ = example(name)
-    result = Experiment.load(registry.experiment(file)).run(variant)
+    result = Experiment.load(registry.experiment(file), {"record": ["*"]}).run(variant)
     columns = [result.numbers(f"{component}.{signal.name}") for signal in block.inputs]
     rows = np.array(columns).reshape(len(columns), -1).T if columns else np.zeros((1, 0))
     return np.ascontiguousarray(np.resize(rows, (ROWS, rows.shape[1])))

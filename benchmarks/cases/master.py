@@ -51,15 +51,14 @@ def closed(lag: Lag, version: int) -> Comparison:
     aims = (
         Aim(
             f"closed loop, FMI {version}, compiled controller", closed_loop.OURS, 1.2,
-            "Every operation is fetched, dispatched and noted in the clock, so that a fault can be "
-            "named; straight code for a plan leaves the notes and the checks of numbers.",
+            "Each call is noted, so that a fault can be named, and each number is checked to be "
+            "finite; C does neither, and its compiler sees the whole loop.",
             against=closed_loop.C,
         ),
         Aim(
             f"closed loop, FMI {version}, Python controller, above itself",
             closed_loop.OURS_PYTHON, 150.0,
-            "The callback enters the interpreter through ctypes; a C function that holds the "
-            "callable and its argument tuple would save it.",
+            "What is left is the interpreter's own call, and the time and the inputs as objects.",
             against=closed_loop.CONTROLLER, above=True,
         ),
     )  # fmt: skip

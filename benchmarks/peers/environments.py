@@ -40,7 +40,7 @@ PEERS = {
         Peer("cofmupy", ("cofmupy",), FMUS, delay=1, steps=5_000),
         Peer("omsimulator", ("omsimulator",), FMUS, delay=1),
         Peer("simpful", ("simpful",), INFERENCE),
-        Peer("skfuzzy", ("scikit-fuzzy", "numpy", "scipy", "networkx"), INFERENCE),
+        Peer("skfuzzy", ("scikit-fuzzy", "numpy", "scipy", "networkx", "packaging"), INFERENCE),
         Peer("filterpy", ("filterpy",), FILTER),
     )
 }

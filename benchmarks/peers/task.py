@@ -75,9 +75,11 @@ Run = Callable[[], float]
 """Does all steps and gives the plant's y after the last."""
 
 
-def carry_out_rows(
-    prepare: Callable[[dict[str, Any]], Callable[[list[float]], list[float]]],
-) -> None:
+OfRow = Callable[[list[float]], list[float]]
+"""From the inputs of a row to its outputs."""
+
+
+def carry_out_rows(prepare: Callable[[dict[str, Any]], OfRow]) -> None:
     """The same for rows, by the function of a row that `prepare` makes of the model."""
     task = RowsTask(**json.load(sys.stdin))
     function = prepare(task.model)
