@@ -36,6 +36,7 @@ from harness.participants.model_exchange import explicit
 from harness.participants.model_exchange.equations import move, vector
 
 _ONE_STEP, _ROOT_RETURN = 2, 2
+_DISCARD = 2
 _CLOSE = 2.0**-49  # eight units in the last place
 _MOST_EVENTS_AT_ONCE = 1000
 
@@ -215,6 +216,19 @@ def between(c: int, time: float) -> int:
     return move(c, time, get(c, x.X_AT))
 
 
+@compiled
+def evaluate(c: int, time: float) -> int:
+    """Have the FMU compute at the communication point that it was moved to: local variables of
+    OpenModelica's FMUs are those of the last evaluation of the derivatives, be it elsewhere."""
+    if get(c, x.IN_EVENT) != 0:
+        return 0
+    status = vector(c, x.GET_DERIVATIVES, get(c, x.DX), get(c, x.NX), x.AT_DERIVATIVES, time)
+    if status == _DISCARD:  # it needs none there
+        put(c, x.FAILED, 0)
+        return 0
+    return status
+
+
 def advance(c: int, start: float, target: float) -> int:
     """From the communication point `start` to `target` (s); 0, or what `explain` makes words of."""
     status = hook(c, x.BEGIN, start)
@@ -238,6 +252,8 @@ def advance(c: int, start: float, target: float) -> int:
         status = internal_step(c, target)
     if status == 0 and real(c, x.TIME) > target:
         status = between(c, target)
+    if status == 0:
+        status = evaluate(c, target)
     store_int64(get(c, x.FUNCTION), 0)
     if status == 0 or status >= op.ASKED:
         return status
