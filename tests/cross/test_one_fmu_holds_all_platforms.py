@@ -38,11 +38,6 @@ def version(request: pytest.FixtureRequest) -> int:
     return int(request.param)
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(tmp_path_factory.mktemp("cross")))
-
-
 def test_all_platforms(fmu: Path, version: int) -> None:
     assert validate_fmu(str(fmu)) == []
     with zipfile.ZipFile(fmu) as archive:

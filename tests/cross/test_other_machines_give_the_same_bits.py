@@ -24,11 +24,6 @@ RUNNABLE = [
 ]
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(tmp_path_factory.mktemp("cross")))
-
-
 @pytest.mark.parametrize("platform", RUNNABLE)
 @pytest.mark.parametrize("name", ["pid", "fuzzy_pid", "two_mass_controller"])
 def test_arithmetic(platform: str, name: str, tmp_path: Path) -> None:

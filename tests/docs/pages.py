@@ -16,6 +16,8 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+from harness.process.warm import load_loop
+
 ROOT = Path(__file__).parents[2]
 ROOMS = ("controllers", "experiments", "fmus", "harness", "tests")
 PIP = "pip install -e ."
@@ -111,8 +113,9 @@ def run(script: str, folder: Path) -> str:
 
 
 def repository(folder: Path) -> Path:
-    """A copy of this repository, as far as programs need it."""
+    """A copy of this repository, as far as programs need it, with the machine code of the loop."""
+    load_loop()
     for room in ROOMS:
-        shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / room, folder / room)
     shutil.copy(ROOT / "pyproject.toml", folder)
     return folder

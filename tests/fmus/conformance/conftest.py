@@ -1,12 +1,10 @@
 """Every plant registered under `fmu_harness.plants`, as an FMU of each kind, built once.
 
-A plant of another package that registers itself is tested as ours are. The FMUs are built into a
-cache of the suite's own, so they come from the sources at hand.
+A plant of another package that registers itself is tested as ours are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -21,13 +19,6 @@ from tests.fmus.conformance.radau import held_reference
 
 NAMES = registry.names(registry.PLANTS)
 assert NAMES, "no plant is registered; without any, this suite would pass unseen"
-
-
-@pytest.fixture(scope="package", autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FMU_HARNESS_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
 
 
 @pytest.fixture(scope="package", params=NAMES)

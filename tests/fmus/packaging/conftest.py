@@ -1,4 +1,4 @@
-"""FMUs are built once a session, into a cache of the tests' own."""
+"""Instances of FMUs, which are freed when a test ends."""
 
 from __future__ import annotations
 
@@ -13,16 +13,6 @@ from fmus.plant import Plant
 from tests.fmus.packaging.instances import Instance, load
 
 NewInstance = Callable[..., Instance]
-
-
-@pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(autouse=True)
-def _own_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(cache))
 
 
 @pytest.fixture(params=[2, 3])

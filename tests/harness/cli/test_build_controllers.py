@@ -10,11 +10,6 @@ from harness.cli.main import run_command_line
 OWN = "tests.harness.cli.own_controller"
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(tmp_path_factory.mktemp("cache")))
-
-
 def build(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str]:
     code = run_command_line(["build", *map(str, arguments)])
     captured = capsys.readouterr()

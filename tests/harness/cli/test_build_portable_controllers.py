@@ -13,11 +13,6 @@ PID = ("pid", "--sample-time", 0.01, "--set", "kp=1.0")
 EXPERIMENT = ("--experiment", "ahn2009/figure_7", "--variant", "pid", "--component", "controller")
 
 
-@pytest.fixture(autouse=True)
-def _own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(tmp_path_factory.mktemp("cache")))
-
-
 def command(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str]:
     code = run_command_line([*map(str, arguments)])
     captured = capsys.readouterr()

@@ -1,4 +1,4 @@
-"""FMUs of the tests' own cache, and instances of them that are freed when a test ends."""
+"""Instances of FMUs, which are freed when a test ends."""
 
 from __future__ import annotations
 
@@ -12,16 +12,6 @@ from harness.export.controller import controller_fmu
 from tests.fmus.packaging.instances import Instance, load
 
 NewInstance = Callable[..., Instance]
-
-
-@pytest.fixture(scope="session")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("blocks")
-
-
-@pytest.fixture(autouse=True)
-def _own_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("FMU_HARNESS_CACHE", str(cache))
 
 
 @pytest.fixture(params=[2, 3])
