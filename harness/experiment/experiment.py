@@ -166,6 +166,12 @@ class Experiment:
             if variant not in self.variants:
                 hint = nearest(variant, self.variants)
                 raise ExperimentError(f"{self.path}: {key} {variant!r}: {hint}")
+        study = spec.study
+        if study is not None and study.variants and study.baseline not in study.variants:
+            raise ExperimentError(
+                f"{self.path}: study.baseline {study.baseline!r} takes no part; "
+                f"{nearest(study.baseline, study.variants)} of study.variants"
+            )
 
     def run(
         self,

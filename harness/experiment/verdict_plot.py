@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.experiment.judging import Finding, Verdict
+from harness.experiment.judging import FAILS, HOLDS, UNDECIDED, Finding, Verdict
 from harness.results.atomic import atomic_write, writing
-from harness.results.plots import PALETTE, axis_label, new_figure
+from harness.results.plots import PALETTE, axis_label, legend_of_all, new_figure
 
-_MET = {True: ("o", "full"), False: ("X", "full"), None: ("o", "none")}
+_MET = {True: ("o", "full", HOLDS), False: ("X", "full", FAILS), None: ("o", "none", UNDECIDED)}
 _MANY = 8.0  # from this ratio of the ends on a logarithmic axis shows more
 
 
@@ -32,8 +32,11 @@ def verdict_plot(verdict: Verdict) -> Figure | None:
     for panel, finding in zip(panels, regions, strict=True):
         _draw(panel, finding)
         panel.set_title(finding.reading, fontsize="medium")
-        panel.set_xlabel(axis_label(finding.quantity, finding.unit))
+        of_limit = bool(finding.trials[0].test.curve)
+        unit = verdict.claim.unit if of_limit else finding.unit
+        panel.set_xlabel(axis_label(finding.quantity.replace("_", " "), unit))
         panel.set_ylabel(_figure_label(finding, verdict.claim.unit))
+    legend_of_all(figure, panels)
     return figure
 
 
@@ -45,8 +48,8 @@ def _draw(panel: Axes, finding: Finding) -> None:
     above = [one.high for one in ours] - middle
     panel.errorbar(x, middle, (below, above), color=PALETTE[0], capsize=3, zorder=2)
     for at, y, trial in zip(x, middle, finding.trials, strict=True):
-        marker, fill = _MET[trial.met]
-        panel.plot(at, y, marker, color=PALETTE[0], fillstyle=fill, markerfacecoloralt="white")
+        marker, style, name = _MET[trial.met]
+        panel.plot(at, y, marker, color=PALETTE[0], fillstyle=style, label=name)
     test = finding.trials[0].test
     near = test.near
     limits = [trial.test.limit for trial in finding.trials]

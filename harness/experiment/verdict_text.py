@@ -86,8 +86,10 @@ def _estimate(trial: Trial, unit: str) -> str:
 
 
 def _of_readings(verdict: Verdict, cell: Callable[[Finding], str]) -> str:
-    """The cells of all readings, each after its name where there are several."""
+    """The cells of all readings, each after the names of those that it is the cell of."""
+    readings: dict[str, list[str]] = {}
+    for finding in verdict.findings:
+        readings.setdefault(cell(finding), []).append(finding.reading)
     return "; ".join(
-        f"{finding.reading}: {cell(finding)}" if finding.reading else cell(finding)
-        for finding in verdict.findings
+        f"{' and '.join(names)}: {text}" if all(names) else text for text, names in readings.items()
     )

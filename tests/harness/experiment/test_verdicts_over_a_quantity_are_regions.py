@@ -97,3 +97,6 @@ def test_both_readings_of_an_error_and_how_many_tests_that_makes() -> None:
     assert verdict_text.said(found) == (
         "of the force: holds (noise 1 to 4 N); of its measurement: does not hold (noise 1 to 4 N)"
     )
+    alike = claims.model_copy(update={"readings": {"true": {"once": "true", "again": "true"}}})
+    (found,) = judge(alike, lambda name: EVIDENCE)
+    assert verdict_text.said(found) == "once and again: holds (noise 1 to 4 N)"
