@@ -38,7 +38,7 @@ BASELINE = {OURS: C, OURS_NO_ROWS: C_NO_ROWS, OURS_PYTHON: CONTROLLER}
 """What a side is compared with, where it is not the bare C program."""
 
 BOUND = {OURS: 1.2, OURS_NO_ROWS: 1.2, OURS_PYTHON: 3.0}
-"""What the project promises of the ratio to that."""
+"""What the project promises of the ratio to that, for one loop."""
 
 LOOPS = (1, 4, 16, 64)
 
@@ -123,7 +123,7 @@ def table(fmi_version: int, results: dict[int, dict[str, Series]]) -> Table:
             if name in {*BASELINE, LOW, METHODS, SIMULATE}:
                 one = ratios(of, name)
                 cells += [f"{x:.3g}" for x in (statistics.median(one), min(one), max(one))]
-                cells += [f"{BOUND[name]:g}"] if name in BOUND else []
+                cells += [f"{BOUND[name]:g}"] if name in BOUND and loops == 1 else []
             made.add_row(str(loops), name, *cells)
     return made
 
@@ -163,9 +163,10 @@ def main(argv: Sequence[str] | None = None) -> None:
     if options.json:
         write_json(options.json, {"unit": "ns per macro step and loop", **report(results)})
     broken = [
-        f"FMI {version}, {loops} loops: {name}"
+        f"FMI {version}: {name}"
         for version, by_loops in results.items()
         for loops, of in by_loops.items()
+        if loops == 1
         for name, bound in BOUND.items()
         if statistics.median(ratios(of, name)) > bound
     ]

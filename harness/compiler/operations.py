@@ -12,8 +12,12 @@ CALL_n       address, then n int64 arguments: int32 status = (*address)(…). Bl
              directional derivatives 7 and 9, get functions of an FMU's state 2
 SET_FMI2     as CALL_4, SET_FMI3 as CALL_5: a set function of an FMU, which reads the array at its
              fourth argument and leaves it as it is
-BLOCK        as CALL_5, then n_u and n_y: a block that changes none of its n_u inputs, and of all
-             slots only its n_y outputs
+GET_FMI2     address, n, instance, references, number of them, values: a get function of an FMU,
+GET_FMI3     which gives n reals; then the number of values. The run ends where one of n is NaN or
+             infinite
+BLOCK        address, n_y, p, x, u, y, sizes, n_u: a block, called as numba does, that changes none
+             of its n_u inputs, and of all slots only its n_y outputs, of which none may be NaN or
+             infinite
 STEP_FMI2    address, instance, step in ns, final
 STEP_FMI3    address, instance, step in ns, flags, last successful time, final: the flags are
              eventHandlingNeeded, terminateSimulation and earlyReturn, a byte each. `final` is 1
@@ -58,11 +62,12 @@ UNTOUCHED = -1.7976931348623157e308
 
 (
     PROGRAM, INSTANTS, N_INSTANTS, START, STOP, CYCLE_NS, TICKS, UNTIL, CLOCK, V, COPIES, SCALES,
-    SAMPLES, CURSORS, EXCHANGE, RECORDED, ROWS_AT, N_ROWS, TIMES,
-) = range(19)  # fmt: skip
+    SAMPLES, CURSORS, EXCHANGE, RECORDED, ROWS_AT, N_ROWS, TIMES, RESULT, FAULT,
+) = range(21)  # fmt: skip
 """Cells of a frame (`harness.master.program.frame`), int64 each: addresses of arrays, lengths of
-some, and times in ticks; TICKS is a float64, the number of ticks in a second."""
-FRAME_SIZE = 19
+some, and times in ticks; TICKS is a float64, the number of ticks in a second. RESULT and
+FAULT are what functions compiled by numba write to."""
+FRAME_SIZE = 21
 
 INSTANT_WIDTH = 4
 """Columns of an instant: its offset in the cycle in ticks, its first row and that after its last
@@ -72,9 +77,9 @@ WIDTH = 11
 (
     COPY, SAMPLE, CALL_4, CALL_5, CALL_7, CALL_9, STEP_FMI2, STEP_FMI3, CHECK, ENCODE, DECODE,
     RECORD, ADD, CALL_2, CALL_2_AT, REPEAT, UNLESS_STOP, COPY_TYPED, STEP_CALL, SKIP, SCALE,
-    SET_FMI2, SET_FMI3, BLOCK,
-) = range(24)  # fmt: skip
-COUNTED = (COPY, SCALE, ADD, COPY_TYPED, CHECK, RECORD)
+    SET_FMI2, SET_FMI3, GET_FMI2, GET_FMI3, BLOCK,
+) = range(26)  # fmt: skip
+COUNTED = (COPY, SCALE, ADD, COPY_TYPED, CHECK, RECORD, GET_FMI2, GET_FMI3, BLOCK)
 """These are done as often as their second operand says."""
 LEAPING = (REPEAT, SKIP, UNLESS_STOP)
 """After these the next row may be another one: that by their second operand further on."""

@@ -35,7 +35,7 @@ class Operation:
     leaps: bool = False
 
 
-_LONGEST_PERIOD, _FEWEST_TIMES = 8, 4
+_LONGEST_PERIOD, _FEWEST_TIMES = 8, 8
 _DIGEST = 32
 HOST = f"{llvmlite.__version__} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
 """On what machine code depends besides its source."""

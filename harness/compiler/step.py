@@ -64,6 +64,13 @@ class CompiledStep:
         """Its address and its arguments, for the arrays at these addresses."""
         return [self.address, p, x, u, y, self.sizes.ctypes.data]
 
+    @property
+    def inner(self) -> int:
+        """The address of the function inside: its arguments follow two pointers, to its result and
+        to an exception, of which neither says anything."""
+        name = self.code._wrapper_name.removeprefix("cfunc.")
+        return int(self.code._library.get_pointer_to_function(name))
+
     def __call__(self, p: Array, x: Array, u: Array, y: Array) -> None:
         """Call it as the step function that it was; arrays as long as those of the block."""
         self.code.ctypes(*(array.ctypes.data_as(_C_POINTER) for array in (p, x, u, y)),
@@ -86,8 +93,14 @@ def compile_step(block: Block) -> CompiledStep:
     if name not in _compiled:
         _compiled[name] = _compile(_plain(block.step), name)
     code = _compiled[name]
-    array = np.array(sizes(block), dtype=np.int64)
+    array = _sizes(sizes(block))
     return CompiledStep(code.address, array, code, _only_reads(_plain(block.step).__code__, 2))
+
+
+@cache
+def _sizes(of: tuple[int, ...]) -> NDArray[np.int64]:
+    """One array for all blocks of these sizes, which is read faster than one for each."""
+    return np.array(of, dtype=np.int64)
 
 
 def sizes(block: Block) -> tuple[int, ...]:

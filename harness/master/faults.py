@@ -105,7 +105,9 @@ def _not_converged(program: Program, when: str) -> str:
 
 def _not_finite(program: Program, name: str, when: str) -> str:
     row = program.code[int(program.clock[OPERATION])]
-    slot = next(s for s in range(row[1], row[1] + row[2]) if not np.isfinite(program.v[s]))
+    checked = row[0] == op.CHECK
+    first = row[1] if checked else (row[6] - program.memory.address(0)) // 8
+    slot = next(s for s in range(first, first + row[2]) if not np.isfinite(program.v[s]))
     port = next((end for end, place in program.memory.layout.places() if place == slot), name)
     return f"output {port} is {program.v[slot]} {when}; the rows before it are kept"
 

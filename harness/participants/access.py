@@ -96,7 +96,7 @@ class Access:
             if group.negated:
                 slots = range(group.first, group.first + n)
                 yield self.memory.copy(slots, slots, [group.negation] * n)
-            if group.kind in (FLOAT64, op.FLOAT32) and not self.allow_not_finite:
+            if group.kind == op.FLOAT32 and not self.allow_not_finite:
                 yield [op.CHECK, group.first, n]
 
     def write(self, variables: Sequence[str]) -> Iterator[Row]:
@@ -150,13 +150,17 @@ class Access:
         if encoded:
             start, values = self.memory.reserve(n * op.ITEM_SIZE[group.kind])
         head = [instance.address(verb + group.suffix), instance.handle or 0]
-        call = [*head, self.memory.held(references), len(references), values]
+        call = [*head, self.memory.constant(references), len(references), values]
         code = [group.kind, group.first, group.first + n, start]
         if encoded and verb == "Set":
             yield [op.ENCODE, *code]
         sized = instance.prefix == "fmi3" and group.suffix != "Clock"
-        codes = (op.SET_FMI2, op.SET_FMI3) if verb == "Set" else (op.CALL_4, op.CALL_5)
-        yield [codes[1], *call, n] if sized else [codes[0], *call]
+        if verb == "Set":
+            yield [op.SET_FMI3, *call, n] if sized else [op.SET_FMI2, *call]
+        else:
+            address, *rest = call
+            checked = n if group.kind == FLOAT64 and not self.allow_not_finite else 0
+            yield [op.GET_FMI3 if sized else op.GET_FMI2, address, checked, *rest, n]
         if encoded and verb == "Get":
             yield [op.DECODE, *code]
 

@@ -33,7 +33,10 @@ class BlockParticipant(Participant):
         """Step, and look whether what comes out is finite."""
         arrays = self._parameters.ctypes.data, self.state.ctypes.data
         u, y = self.memory.address(self._u), self.memory.address(self._y)
-        n = len(self.component.inputs), len(self.component.outputs)
-        code = op.BLOCK if self._compiled.leaves_inputs else op.CALL_5
-        yield [code, *self._compiled.call(*arrays, u, y), *n]
-        yield [op.CHECK, self._y, n[1]]
+        address, *operands = self._compiled.call(*arrays, u, y)
+        n_u, n_y = len(self.component.inputs), len(self.component.outputs)
+        if self._compiled.leaves_inputs:
+            yield [op.BLOCK, self._compiled.inner, n_y, *operands, n_u]
+        else:
+            yield [op.CALL_5, address, *operands]
+            yield [op.CHECK, self._y, n_y]

@@ -114,6 +114,7 @@ class Memory:
         self.slot, self.cell = layout.slot, layout.cell
         self.texts = Texts()
         self.lives: list[Any] = []
+        self._constants: dict[tuple[Any, bytes], NDArray[Any]] = {}
         self._exchange_used = 0
         self._slots_used = layout.size
         self._copies: list[tuple[int, int, int]] = []
@@ -166,6 +167,10 @@ class Memory:
         """The address of an array that lives as long as the program."""
         self.lives.append(array)
         return int(array.ctypes.data)
+
+    def constant(self, array: NDArray[Any]) -> int:
+        """The same of one that nobody changes: equal ones are one, which is read faster."""
+        return self.held(self._constants.setdefault((array.dtype, array.tobytes()), array))
 
     def function(self, call: Callable[..., int], *types: Any) -> int:
         """The address of a C function that calls Python, with arguments of these types of ctypes;

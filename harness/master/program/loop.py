@@ -110,8 +110,21 @@ def perform(code: int, n: int, o: int, row: int, frame: int, now: int, time: flo
         cursors[a] += 1
     elif code == op.CALL_4 or code == op.SET_FMI2:
         status = call_status(a, (b, c, d, e))
-    elif code == op.CALL_5 or code == op.SET_FMI3 or code == op.BLOCK:
+    elif code == op.CALL_5 or code == op.SET_FMI3:
         status = call_status(a, (b, c, d, e, f))
+    elif code == op.GET_FMI2 or code == op.GET_FMI3 or code == op.BLOCK:
+        if code == op.GET_FMI2:
+            status = call_status(a, (c, d, e, f))
+        elif code == op.GET_FMI3:
+            status = call_status(a, (c, d, e, f, r[7]))
+        else:
+            own = frame + 8 * op.RESULT, frame + 8 * op.FAULT
+            status = call_status(a, (*own, c, d, e, f, r[7]))
+        if status == 0 or status == _WARNING:
+            values = reals(f)
+            for i in range(n):
+                if not math.isfinite(values[i]):
+                    return op.NOT_FINITE
     elif code == op.STEP_FMI3:
         if now + c <= fixed(frame, op.STOP):
             flags = octets(d)

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from harness.compiler import operations as op
 from harness.participants.memory import Memory
 
-_READS = {op.SET_FMI2: (5, 4), op.SET_FMI3: (5, 6), op.BLOCK: (4, 7)}
+_READS = {op.SET_FMI2: (5, 4), op.SET_FMI3: (5, 6), op.BLOCK: (5, 8)}
 """Operations that leave what they read as it is: the columns of its address and of its length."""
-_OUTPUTS = 5, 8
-"""The same of what a block changes."""
+_CHANGES = (op.GET_FMI2, op.GET_FMI3, op.BLOCK)
+_CHANGED = [6, 2]
+"""Operations that change no slots but those of which they tell address and length, in these
+columns; length 0 where they do not tell."""
 _LEAVE_SLOTS = (op.CHECK, op.RECORD, op.SET_FMI2, op.SET_FMI3, op.STEP_FMI2, op.STEP_FMI3)
 
 
@@ -42,8 +44,8 @@ def shorten(memory: Memory, rows: NDArray[np.int64], copies: NDArray[np.int64]) 
             table = copies[row[1] : row[1] + row[2]].tolist()
             made = {target: source for source, target, _ in table}
             same = forget(made) | {t: s for t, s in made.items() if s not in made}
-        elif code == op.BLOCK:
-            same = forget(_slots(memory, *row[list(_OUTPUTS)]))
+        elif code in _CHANGES and row[2]:
+            same = forget(_slots(memory, *row[_CHANGED]))
         elif code not in _LEAVE_SLOTS:
             same = {}
 

@@ -16,7 +16,7 @@ FORMATS = {op.BOOL8: "?", op.INT8: "b", op.UINT8: "B", op.INT16: "h", op.UINT16:
            op.INT32: "i", op.UINT32: "I", op.INT64: "q", op.UINT64: "Q",
            op.FLOAT32: "f", op.BOOL32: "i"}  # fmt: skip
 ARGUMENTS = {op.CALL_2: 2, op.CALL_4: 4, op.CALL_5: 5, op.CALL_7: 7, op.CALL_9: 9,
-             op.SET_FMI2: 4, op.SET_FMI3: 5, op.BLOCK: 5}  # fmt: skip
+             op.SET_FMI2: 4, op.SET_FMI3: 5}  # fmt: skip
 SIDES = {op.EXACT: ("d", "d"), op.FROM_INT64: ("q", "d"), op.FROM_UINT64: ("Q", "d"),
          op.TO_INT64: ("d", "q"), op.TO_UINT64: ("d", "Q"), op.INT64_TO_UINT64: ("q", "Q"),
          op.UINT64_TO_INT64: ("Q", "q"), op.ROUND: ("d", "d"), op.TRUTH: ("d", "d"),
@@ -86,6 +86,12 @@ class Executor:
             self.cursors[o[0]] += 1
         elif code in ARGUMENTS:
             return self.status(call(*o[: 1 + ARGUMENTS[code]]))
+        elif code in (op.GET_FMI2, op.GET_FMI3):
+            return self.checked(call(o[0], *o[2 : 6 + (code == op.GET_FMI3)]), o[5], o[1])
+        elif code == op.BLOCK:
+            unused = (ctypes.c_int64 * 2)()
+            places = [ctypes.addressof(unused), ctypes.addressof(unused) + 8]
+            return self.checked(call(o[0], *places, *o[2:7]), o[5], o[1])
         elif code in (op.STEP_FMI2, op.STEP_FMI3):
             return self.step(now, stop, code, o)
         elif code == op.CHECK:
@@ -98,6 +104,12 @@ class Executor:
         elif code in (op.ENCODE, op.DECODE):
             return self.convert(code, *o[:4])
         return op.OK
+
+    def checked(self, status: int, place: int, n: int) -> int:
+        values = (ctypes.c_double * n).from_address(place)
+        if status not in (0, 1):
+            return self.status(status)
+        return 0 if all(map(math.isfinite, values)) else op.NOT_FINITE
 
     def copy_typed(self, first: int, last: int) -> int:
         for (source, target, how), (factor, offset) in self.wires[first:last]:
