@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
+from harness.display import html_table, progress_in_notebook
 from harness.errors import ExperimentError, HarnessError, UsageError, at, nearest
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
@@ -88,6 +89,27 @@ class Bench:
         """Raises `TimingError` where a time is no whole number of nanoseconds."""
         to_period(self.step, "step")
         self.system()
+
+    def __repr__(self) -> str:
+        """One line: the times, the components, how many wires."""
+        span = f"{self.start_time:g} … {self.stop_time:g} s, step {self.step:g} s"
+        parts = ", ".join(self._components) or "no components"
+        return f"<Bench: {span}; {parts}; {len(self._connections)} wires>"
+
+    def _repr_html_(self) -> str:
+        """The components and the wires."""
+        parts = [
+            (c.name, type(c).__name__.removesuffix("Component"), c.period_ns / 1e9)
+            for c in self._components.values()
+        ]
+        wires = [
+            (c.source, c.target, f"{c.delay_ns / 1e9:g}" if c.delay_ns else "",
+             ", ".join(type(one).__name__ for one in c.imperfections))
+            for c in self._connections
+        ]  # fmt: skip
+        heads = ("from", "to", "delay (s)", "imperfections")
+        shown = html_table(repr(self).strip("<>"), ("component", "kind", "step (s)"), parts)
+        return shown + html_table("wires", heads, wires)
 
     # components
 
@@ -286,11 +308,12 @@ class Bench:
         replaced; else a folder that holds something is refused.
         """
         try:
-            return self._run(
-                None if folder is None else Path(folder), limits, in_process, resume,
-                progress=progress, echo=echo, experiment=experiment, needed=needed,
-                overwrite=overwrite,
-            )  # fmt: skip
+            with progress_in_notebook("run") as bar:
+                return self._run(
+                    None if folder is None else Path(folder), limits, in_process, resume,
+                    progress=progress or bar, echo=echo, experiment=experiment, needed=needed,
+                    overwrite=overwrite,
+                )  # fmt: skip
         except KeyboardInterrupt as interrupt:
             if not hasattr(interrupt, "result"):  # before anything was recorded
                 interrupt.result = None  # type: ignore[attr-defined]

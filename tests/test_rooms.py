@@ -13,6 +13,7 @@ FLOORS = (
     "harness.siblings",
     "harness.clock",
     "harness.interrupts",
+    "harness.display",
     "harness.registry",
     "harness.system.block",
     "harness.system.units",

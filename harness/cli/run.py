@@ -45,6 +45,7 @@ def run_command(
     """Run an experiment: every variant, then a table and PNG plots."""
     from harness.cli.run_record import RunRecord
     from harness.experiment.foresight import check_experiment
+    from harness.results.atomic import check_writable
 
     limits = {"call": call_timeout, "run": run_timeout, "memory": memory_limit}
     pairs = options.for_fmus(set_, validate, compile_)
@@ -54,8 +55,9 @@ def run_command(
         part = loaded.spec.study if study else loaded.spec.sweep if sweep else None
         own = part.variants if part is not None else ()
         chosen = tuple(variant or own or loaded.variants)
-        check_experiment(loaded, chosen)
         folder = output or registry.run_folder(loaded.name)
+        check_writable(folder)
+        check_experiment(loaded, chosen)
         record = RunRecord(loaded, chosen, changed, kind)
         record.write(folder, overwrite=overwrite)
         _finish(record, folder, jobs=jobs, logging=fmi_logging)

@@ -17,8 +17,7 @@ from typing import Any
 
 from harness.errors import RecordingError
 from harness.experiment.experiment import Experiment
-from harness.experiment.journal import JOURNAL_FILE
-from harness.experiment.reopen import RUN_FILE
+from harness.experiment.journal import JOURNAL_FILE, RUN_FILE
 from harness.results.atomic import ANOTHER_FOLDER, writing
 from harness.results.manifest import FmuRecord, Manifest, read_manifest, run_state
 from harness.results.recording import clear_run

@@ -13,7 +13,15 @@ from dataclasses import fields
 from pathlib import Path
 
 from harness import registry
-from harness.errors import ExperimentError, HarnessError, UnitError, at, nearest
+from harness.errors import (
+    ExperimentError,
+    GraphError,
+    HarnessError,
+    TimingError,
+    UnitError,
+    UsageError,
+    nearest,
+)
 from harness.experiment.experiment import Experiment
 from harness.experiment.measures import MEASURED, needed_signals
 from harness.experiment.schema import ExperimentSpec, PlotSpec
@@ -29,19 +37,21 @@ Units = Mapping[str, str]
 
 
 def check_experiment(experiment: Experiment, variants: Sequence[str] = ()) -> None:
-    """Judge all that is to be run; raises `ExperimentError` with a line for each fault."""
+    """Judge all that is to be run; raises `ExperimentError` with a line for each fault, and what
+    is raised for an FMU that cannot be opened."""
     faults: list[str] = []
     recorded: dict[str, Units] = {}
     with ExitStack() as stack:
         opened: dict[tuple[str, bool], Fmu] = {}
         for variant in variants or experiment.variants:
             spec = experiment.variant_spec(variant)
+            where = f"{experiment.path} ({variant})"
             try:
-                with at(f"{experiment.path} ({variant})"):
-                    recorded[variant] = _recorded(experiment, variant, opened, stack)
-                faults += _signal_faults(spec, recorded[variant], f"{experiment.path} ({variant})")
-            except HarnessError as fault:
-                faults.append(str(fault))
+                recorded[variant] = _recorded(experiment, variant, opened, stack)
+                faults += _signal_faults(spec, recorded[variant], where)
+            except (UsageError, ExperimentError, GraphError, TimingError) as fault:
+                said = str(fault)
+                faults.append(said if said.startswith(where) else f"{where}: {said}")
     if not faults:
         faults += [f"{experiment.path}: {one}" for one in _plot_faults(experiment, recorded)]
     faults += _metric_faults(experiment)

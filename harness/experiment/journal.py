@@ -15,6 +15,8 @@ from pathlib import Path
 from harness.results.atomic import writing
 
 JOURNAL_FILE = "runs.jsonl"
+RUN_FILE = "experiment.json"
+"""What a folder of the command line was made from."""
 
 Metrics = Mapping[str, float | None]
 Settings = tuple[tuple[str, float], ...]

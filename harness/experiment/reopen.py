@@ -14,15 +14,13 @@ from typing import Any
 
 from harness.errors import HarnessError, RecordingError
 from harness.experiment.experiment import Experiment
-from harness.experiment.journal import JOURNAL_FILE, Journal
+from harness.experiment.journal import JOURNAL_FILE, RUN_FILE, Journal
 from harness.experiment.study import Study, study_so_far
 from harness.experiment.sweep import Region, run_sweep, sweep_so_far
 from harness.results.manifest import COMPLETE, FILE_NAME, run_state
 from harness.results.recording import read_recording
 from harness.results.result import Result
 
-RUN_FILE = "experiment.json"
-"""What a folder of the command line was made from."""
 _OTHERS = ("variants", "plots", "study", "sweep")
 
 Reopened = Result | dict[str, Result] | Study | dict[str, Region]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.display import html_table
 from harness.fmi.archive.unpack import Archive
 from harness.fmi.binding.interface import CO_SIMULATION, InterfaceType
 from harness.fmi.binding.library import unload_below
@@ -35,6 +36,19 @@ class Fmu(Archive):
         except BaseException:
             self.close()
             raise
+
+    def __repr__(self) -> str:
+        d = self.description
+        return f"<Fmu: {d.name}, FMI {d.fmi_version}, {len(d.variables)} variables, {self.path}>"
+
+    def _repr_html_(self) -> str:
+        """Inputs, outputs and parameters."""
+        shown = ("input", "output", "parameter", "structuralParameter")
+        variables = [v for v in self.description.variables.values() if v.causality in shown]
+        rows = [(v.name, v.causality, v.type, v.start or "", v.unit or "", v.description)
+                for v in sorted(variables, key=lambda v: shown.index(v.causality))]  # fmt: skip
+        heads = ("variable", "causality", "type", "start", "unit", "description")
+        return html_table(repr(self).strip("<>"), heads, rows)
 
     @property
     def notes(self) -> tuple[str, ...]:

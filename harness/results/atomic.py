@@ -37,15 +37,13 @@ def writing(what: str, folder: Path | None = None, *, way_out: str = "") -> Iter
         raise RecordingError(f"{what}: {fault.strerror or fault}{way_out}") from fault
 
 
-def check_free(folder: Path, name: str) -> None:
-    """Make `folder` where it is missing; raises `RecordingError` where that cannot be, or where it
-    holds a `name` already. Asked before long work, whose results go there."""
-    probe = folder / f".{name}.probe"
+def check_writable(folder: Path) -> None:
+    """Raises `RecordingError` where nothing can be written into `folder`, or it cannot be made;
+    leaves all as it was. Asked before long work, whose results go there."""
+    missing = [one for one in (folder, *folder.parents) if not one.exists()]
+    probe = folder / ".fmu-harness.probe"
     with writing(f"cannot write into the folder {folder}", folder, way_out=ANOTHER_FOLDER):
         probe.touch()
         probe.unlink()
-    if (folder / name).exists():
-        raise RecordingError(
-            f"the folder {folder} holds a {name} already; nothing was changed in it: choose "
-            "another folder"
-        )
+        for one in missing:
+            one.rmdir()

@@ -8,6 +8,7 @@ a Figure, which the caller saves (`save_figures`) or shows.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
@@ -65,9 +66,18 @@ def panels(
     return figure, axes
 
 
+class Picture(Figure):
+    """A figure that a notebook shows as a picture, without pyplot and without magic."""
+
+    def _repr_png_(self) -> bytes:
+        file = io.BytesIO()
+        self.savefig(file, format="png")
+        return file.getvalue()
+
+
 def new_figure(size: tuple[float, float], title: str) -> Figure:
     """An empty figure of a width and height in inches, which pyplot does not know."""
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    figure = Picture(figsize=size, dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     if title:
         figure.suptitle(title, fontsize="large")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.display import html_table
 from harness.errors import UsageError, nearest
 from harness.results.columns import TIME, Column, Values
 from harness.results.manifest import Manifest, RunStatus
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """What a run recorded: a column for each of `columns`, and the `time`.
 
@@ -39,6 +40,27 @@ class Result:
     folder: Path | None = None
     metrics: Mapping[str, float | None] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """One line: how many rows and columns, until when, how it ended, where it is."""
+        n = len(self.time)
+        span = f", t = {self.time[0]:g} … {self.time[-1]:g} s" if n else ""
+        place = "" if self.folder is None else f", in {self.folder}"
+        return f"<Result: {n} rows{span}, {len(self.columns)} columns, {self.status}{place}>"
+
+    def _repr_html_(self) -> str:
+        """The signals, each with how far it went, and the metrics."""
+        signals = [(name, self.unit(name), *self._extent(name)) for name in self.names]
+        heads = ("signal", "unit", "first", "least", "greatest", "last")
+        shown = html_table(repr(self).strip("<>"), heads, signals)
+        found = [(k, "–" if v is None else f"{v:.6g}") for k, v in self.metrics.items()]
+        return shown + (html_table("metrics", ("metric", "value"), found) if found else "")
+
+    def _extent(self, name: str) -> tuple[str, ...]:
+        if self.column(name).dtype is None or not len(self.time):
+            return ("", "", "", "")
+        values = self.numbers(name)
+        return tuple(f"{v:.6g}" for v in (values[0], values.min(), values.max(), values[-1]))
 
     @property
     def time(self) -> Array:

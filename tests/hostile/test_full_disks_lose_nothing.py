@@ -67,7 +67,9 @@ def test_full_when_results_are_written(tmp_path: Path, mode: str, partial: str) 
     (out / partial).symlink_to("/dev/full")
     told = command(LIMITED, 10**9, "run", file, "--output", out, "--jobs", "1", mode)
     assert "No space left on device" in told and str(out) in told
-    assert content(out) == {"older.csv": b"older"}
+    left = content(out)
+    assert left["older.csv"] == b"older" and left["runs.jsonl"].count(b"\n") >= 2
+    assert set(left) == {"older.csv", "runs.jsonl", "experiment.json", "manifest.json"}
 
 
 @pytest.mark.parametrize("mode", MODES, ids=str)
