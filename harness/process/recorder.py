@@ -6,6 +6,7 @@ so they outlive the worker whatever happens to it.
 
 from __future__ import annotations
 
+import time
 import warnings
 from collections.abc import Callable, Sequence
 
@@ -16,6 +17,8 @@ from harness.process.checkpoint import write_checkpoint
 from harness.process.marker import Marker, RowMemory
 from harness.results.manifest import Manifest
 from harness.results.recording import Recording
+
+_REST = 10.0  # times what the rows of a look took
 
 
 class RunRecorder:
@@ -36,6 +39,7 @@ class RunRecorder:
         self._memory: RowMemory | None = None
         self._early = False
         self._chunk, self._taken = 1, 0  # the one under way, and its rows that are recorded
+        self._next = 0.0  # when rows of it may be taken again
 
     def begin(self, manifest: Manifest) -> None:
         """The system is whole, and nothing of it has run."""
@@ -78,11 +82,14 @@ class RunRecorder:
                 self._echo(component, message)
 
     def look(self, share: float) -> None:
-        """Take rows that are there, show progress. Rows with texts wait for the end of their chunk,
-        when all of their texts have come."""
+        """Take rows that are there, unless that would take a tenth of the time, as with thousands
+        of columns; show progress. Rows with texts wait for the end of their chunk, when all of
+        their texts have come."""
         self.take_messages()
-        if self._early:
+        began = time.monotonic()
+        if self._early and began >= self._next:
             self._record(self._marker.rows(self._chunk) - 1)  # the newest may be half written
+            self._next = began + _REST * (time.monotonic() - began)
         if self._progress is not None:
             self._progress(share)
 

@@ -44,8 +44,8 @@ def write_csv(result: Result, path: Path) -> None:
 
 
 def rows_a_block(columns: int) -> int:
-    """Rows that are converted at a time: some 16 MB of them, at least 1024."""
-    return max(1024, _CELLS_A_BLOCK // columns)
+    """Rows that are converted at a time: some 16 MB of them, at least 256."""
+    return max(256, _CELLS_A_BLOCK // columns)
 
 
 def write_csv_header(file: IO[bytes], columns: Sequence[Column]) -> None:

@@ -170,8 +170,8 @@ def first_rows(folder: Path, count: int) -> Iterator[Any]:
         raise RecordingError(f"{stream} lacks {missing} of the {count} rows before the checkpoint")
 
 
-def _blocks(stream: Path, rows_a_block: int) -> Iterator[Any]:
-    """The stream's rows as tables of at least so many rows (the last may be shorter)."""
+def _blocks(stream: Path, size: int) -> Iterator[Any]:
+    """The stream's rows as tables of `size` rows; the last may be shorter."""
     import pyarrow as pa
 
     held: list[Any] = []
@@ -179,9 +179,11 @@ def _blocks(stream: Path, rows_a_block: int) -> Iterator[Any]:
     for batch in _whole_batches(stream):
         held.append(batch)
         rows += batch.num_rows
-        if rows >= rows_a_block:
-            yield pa.Table.from_batches(held).combine_chunks()
-            held, rows = [], 0
+        if rows >= size:
+            table = pa.Table.from_batches(held).combine_chunks()
+            for start in range(0, rows - size + 1, size):
+                yield table.slice(start, size)
+            held, rows = table.slice(rows - rows % size).to_batches(), rows % size
     if held:
         yield pa.Table.from_batches(held).combine_chunks()
 
