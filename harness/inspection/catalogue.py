@@ -40,22 +40,24 @@ _COMMON: dict[str, Check] = {
     DERIVATIVES: derivatives.differentiates,
 }
 
+_LAST: dict[str, Check] = {SURVIVES: checks.frees}
+
 CHECKS: dict[InterfaceType, dict[str, Check]] = {
     CO_SIMULATION: _COMMON
-    | {OTHER_STEPS: checks.takes_other_steps, INTERPOLATES: checks.interpolates_inputs},
+    | {OTHER_STEPS: checks.takes_other_steps, INTERPOLATES: checks.interpolates_inputs}
+    | _LAST,
     MODEL_EXCHANGE: _COMMON
     | {
         ROUND_TRIP: continuous.returns_states,
         NOMINALS: continuous.has_positive_nominals,
         INDICATORS: continuous.has_finite_indicators,
-    },
+    }
+    | _LAST,
 }
 """By kind of interface and name, in the order of the page."""
 
 ELSEWHERE: dict[str, Check] = {
     REPEATS_ELSEWHERE: checks.repeats,
     CONTINUES_ELSEWHERE: snapshots.continues,
-    SURVIVES: checks.frees,
 }
-"""Checks for a program of their own: two compare with what the first process has left; and the
-memory of a copied process grows as its pages come to be its own."""
+"""Checks for a process of their own, which compare with what the first one has left."""

@@ -1,11 +1,10 @@
 """The workers of an examination: what they do, and what is made of their ends.
 
-The checks of a kind of interface run one after the other in one worker, a copy of this process.
-Where it dies, hangs or takes too much memory, the check that ran then has failed, and a new worker
-goes on with the rest. What is compared between processes, and memory, runs in a program of its own
-(`examiner`), since in copies of one process addresses and memory that was never set would look
-alike; this program also ends as programs do, through what the FMU does then. This module loads no
-library of the FMU itself, so whatever the FMU does, the caller lives.
+The checks of a kind of interface run one after the other in one worker. Where it dies, hangs or
+takes too much memory, the check that ran then has failed, and a new worker goes on with the rest.
+What is compared with them runs in one more, for all kinds. A worker runs a program of its own
+(`examiner`): in the copies of one process, addresses and memory that was never set would look
+alike. This module loads no library of the FMU itself, so whatever the FMU does, the caller lives.
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ import os
 import signal
 import sys
 import time
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
@@ -31,7 +29,6 @@ from harness.inspection.catalogue import (
     CONTINUES_ELSEWHERE,
     ELSEWHERE,
     REPEATS_ELSEWHERE,
-    SURVIVES,
 )
 from harness.inspection.finding import Finding, Verdict, VerdictError, failed, passed
 from harness.inspection.snapshots import left_behind
@@ -40,7 +37,6 @@ from harness.participants.kinds import load_kernels
 from harness.process.fork import available
 from harness.process.limits import Limits, show_memory
 from harness.process.marker import Marker
-from harness.process.task import Teller
 from harness.process.watch import Watch
 from harness.system.policy import interface
 
@@ -110,7 +106,7 @@ class Examination:
 
     def findings(self, kind: InterfaceType) -> list[Finding]:
         """Those of all checks of a kind of interface."""
-        return list(self._settled([(kind, name) for name in CHECKS[kind]], self._copied))
+        return list(self._settled([(kind, name) for name in CHECKS[kind]]))
 
     def elsewhere(self, before: Sequence[Finding]) -> Iterator[Finding]:
         """What a fresh program makes of what the workers of `findings` have left."""
@@ -119,22 +115,21 @@ class Examination:
         for kind in CHECKS:
             tasks += [(kind, REPEATS_ELSEWHERE)] * (kind in digests)
             tasks += [(kind, CONTINUES_ELSEWHERE)] * left_behind(self.scratch, kind).exists()
-            tasks += [(kind, SURVIVES)] * any(f.interface_type == kind for f in before)
-        for finding in self._settled(tasks, self._fresh):
+        for finding in self._settled(tasks):
             compare = finding.check == REPEATS_ELSEWHERE
             yield _compared(digests[finding.interface_type], finding) if compare else finding
 
-    def _settled(self, tasks: list[Task], start: _Start) -> Iterator[Finding]:
+    def _settled(self, tasks: list[Task]) -> Iterator[Finding]:
         """The findings of as many workers as it takes."""
         left = list(tasks)
         while left:
-            found = self._one_worker(left, start)
+            found = self._one_worker(left)
             settled = sum((f.interface_type, f.check) in left for f in found)
             assert settled, "each worker settles one check at least"
             left = left[settled:]
             yield from found
 
-    def _one_worker(self, tasks: list[Task], start: _Start) -> list[Finding]:
+    def _one_worker(self, tasks: list[Task]) -> list[Finding]:
         """Findings until the worker has ended, by itself or not."""
         told = Round(self.deadline, self._tell)
         if not available():
@@ -142,7 +137,7 @@ class Examination:
             return told.found
         limits = Limits(call=None, checkpoint=None)
         watch = Watch(limits, Marker(), told, told.look)
-        watch.follow(partial(start, tasks))
+        watch.follow(partial(self._become_examiner, tasks))
         if not isinstance(watch.fault, SimulationError):
             raise watch.fault or AssertionError("a worker of the doctor ends without a last word")
         left = tasks[len(told.found) :]
@@ -162,36 +157,20 @@ class Examination:
         """What a worker says on its standard output and error."""
         return self.scratch / "words"
 
-    def _copied(self, tasks: Sequence[Task], connection: Connection) -> None:
-        """Go on as the copy of this process that the worker is."""
-        self._redirect()
-        try:
-            examine(self.path, self.scratch, tasks, Teller(Marker(), connection).tell)
-        except BaseException:
-            traceback.print_exc()
-            os._exit(1)
-
-    def _fresh(self, tasks: Sequence[Task], connection: Connection) -> None:
-        """Go on as another program."""
+    def _become_examiner(self, tasks: Sequence[Task], connection: Connection) -> None:
+        """Go on as another program, whose output goes to the file of its words."""
         os.set_inheritable(connection.fileno(), True)
-        self._redirect()
-        given = str(connection.fileno()), str(self.path), str(self.scratch), json.dumps(tasks)
-        os.execv(sys.executable, (sys.executable, "-m", "harness.inspection.examiner", *given))
-
-    def _redirect(self) -> None:
         with self._words.open("wb") as file:
             for stream in (1, 2):
                 os.dup2(file.fileno(), stream)
+        given = str(connection.fileno()), str(self.path), str(self.scratch), json.dumps(tasks)
+        os.execv(sys.executable, (sys.executable, "-m", "harness.inspection.examiner", *given))
 
     def _tell(self, task: Task) -> None:
         kind, name = task
         every = list(CHECKS[kind] | ELSEWHERE)
         if self.progress is not None:
             self.progress(every.index(name) / len(every), f"{kind}: {name}")
-
-
-_Start = Callable[[Sequence[Task], Connection], None]
-"""What a worker does from its start to its end."""
 
 
 def _death(code: int, words: str) -> str:

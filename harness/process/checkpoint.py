@@ -133,7 +133,7 @@ def why_not(plan: Plan, fmus: Mapping[str, Fmu]) -> str:
         d = fmus[c.name].description
         kind, can = interface(c.policy.interface_type, d), capabilities_of(c.policy, d)
         if kind != CO_SIMULATION:
-            return f"component {c.name} is run in {kind}, whose solver's state cannot be saved"
+            return f"component {c.name} is run in {kind}, whose solver's memory cannot be saved"
         if can.has_event_mode and c.policy.event_mode is not False:
             return (
                 f"component {c.name} is run with event mode, and its events to come cannot be "
