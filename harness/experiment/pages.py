@@ -32,10 +32,15 @@ def verdict_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
 
 def note(reproduction: Reproduction) -> str:
     """How the intervals and verdicts are corrected for the number of tests."""
-    return (
+    text = (
         f"{reproduction.family} tests at once: intervals hold together at {100 - 100 * ALPHA:g} % "
-        "(Bonferroni), verdicts are Holm's at the same level."
+        "(Bonferroni); verdicts are Holm's at the same level, which decides a little more."
     )
+    if len(reproduction.verdicts) < len(reproduction.paper.claims.claims):
+        text += (
+            " Of some claims alone only its first step is known, so that the page may decide more."
+        )
+    return text
 
 
 def study_rows(reproduction: Reproduction) -> Iterator[tuple[str, ...]]:
