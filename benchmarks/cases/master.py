@@ -22,7 +22,7 @@ STEPS = 2_000_000
 UNIT = "ns a step"
 
 
-def master(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """Bare C is the limit; a peer's answer counts if its numbers are those of the equations."""
     lags = {version: build_lag(setting.folder, version) for version in (2, 3)}
     for version, lag in lags.items():
