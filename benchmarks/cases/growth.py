@@ -31,7 +31,7 @@ import re, sys
 from pathlib import Path
 from benchmarks.cases.growth import streamed
 from benchmarks.lag import Lag
-lag = Lag(3, Path(sys.argv[1]), Path(), Path())
+lag = Lag(3, Path(sys.argv[1]), Path())
 streamed(lag, int(sys.argv[2]), Path(sys.argv[3]))
 print(int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 """
