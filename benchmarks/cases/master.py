@@ -93,7 +93,10 @@ def side_by_side(lag: Lag) -> Comparison:
         c, ours = (shown.format(loops) for shown in pairs.values())
         for name, shown in pairs.items():
             chosen[shown.format(loops)] = Side(partial(_checked, lag, name, loops))
-        words = "Straight code of many loops is longer than the caches of instructions."
+        words = (
+            "One loop waits for its own numbers, many hide that: each call is noted, so that a "
+            "fault can be named. See benchmarks/README.md, 'Limits that remain'."
+        )
         aims.append(Aim(f"closed loop, {loops} FMUs", ours, 1.2, words, against=c))
     title = "Closed loops side by side, FMI 3"
     return Comparison("closed_loops", title, "ns a step and loop", chosen, aims=tuple(aims))
