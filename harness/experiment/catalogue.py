@@ -33,6 +33,7 @@ _FIGURES = {
     "std": "Their standard deviation.",
     "final": "The last value.",
     "final_abs": "The magnitude of the last value.",
+    "largest_fall": "How far the values fall from what they had reached before.",
 }
 
 

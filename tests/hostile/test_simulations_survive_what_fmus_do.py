@@ -21,7 +21,7 @@ PHASES = {
     "load": ("loading its library", 0),
     "InstantiateCoSimulation": ("fmi3Instantiate", 0),
     "EnterInitializationMode": ("fmi3EnterInitializationMode", 0),
-    "DoStep": ("fmi3DoStep", 6),
+    "DoStep": ("doStep by 10 ms at t = 0.05 s", 6),
     "Terminate": ("fmi3Terminate at t = 0.1 s", 11),
     "FreeInstance": ("fmi3FreeInstance at t = 0.1 s", 11),
     "unload": ("unloading the library at t = 0.1 s", 11),
@@ -96,7 +96,8 @@ def test_memory_and_time_have_limits(tmp_path: Path, capsys: pytest.CaptureFixtu
     path = certified(tmp_path, "DoStep memory 5")
     for arguments in (("simulate", path, *SIMULATE), ("verify", path)):
         code, told = command(capsys, *arguments, "--memory-limit", "500 MB")
-        assert code == 1 and "fmi3DoStep at t = 0.05 s was ended because the run held" in told
+        assert code == 1 and "t = 0.05 s was ended because the run held" in told
+        assert "doStep by 10 ms" in told or "fmi3DoStep" in told
     path = certified(tmp_path, "DoStep sleep 0 50")
     for arguments in (("simulate", path, *SIMULATE), ("verify", path)):
         code, told = command(capsys, *arguments, "--run-timeout", "0.3")
