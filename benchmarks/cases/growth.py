@@ -31,7 +31,7 @@ import re, sys
 from pathlib import Path
 from benchmarks.cases.growth import streamed
 from benchmarks.lag import Lag
-lag = Lag(3, Path(sys.argv[1]), Path(), Path())
+lag = Lag(3, Path(sys.argv[1]), Path())
 streamed(lag, int(sys.argv[2]), Path(sys.argv[3]))
 print(int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 """
@@ -45,6 +45,10 @@ def comparisons(setting: Setting) -> Iterator[Comparison]:
     yield memory(lag, setting.folder)
     sides = _sides(VARIABLES, partial(variables, lag))
     yield _comparison("variables", "recorded variables", "ns a value", VARIABLES, sides, 100)
+    sides = _sides(VARIABLES[2:], partial(stored, lag, setting.folder))
+    yield _comparison(
+        "stored", "variables recorded into a folder", "ns a value", VARIABLES[2:], sides, 100
+    )
     yield _comparison(
         "fmus", "closed loops", "ns a step", LOOPS, _sides(LOOPS, partial(fmus, lag)), 4
     )
@@ -116,14 +120,32 @@ def memory(lag: Lag, folder: Path) -> Comparison:
 
 def variables(lag: Lag, count: int) -> float:
     """Nanoseconds a recorded value, kept in memory, of a block with so many outputs."""
-    steps = max(200, CELLS // (count + 10))
-    bench = Bench(stop_time=steps * STEP, step=STEP)
+    system = wide(lag, count, max(200, CELLS // (count + 10))).system()
+    return timed_run(system, ("wide.y*",)).nanoseconds / count
+
+
+def stored(lag: Lag, folder: Path, count: int) -> float:
+    """The same into a folder, wall time, a run of a quarter of the rows taken off."""
+
+    def seconds(rows: int) -> float:
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            began = time.perf_counter()
+            wide(lag, count, rows).run(Path(place) / "run")
+            return time.perf_counter() - began
+
+    rows = 2 * CELLS // count
+    return 1e9 * (seconds(rows) - seconds(rows // 4)) / (0.75 * rows * count)
+
+
+def wide(lag: Lag, count: int, steps: int) -> Bench:
+    """An FMU, and a block with so many outputs."""
+    bench = Bench(stop_time=steps * STEP, step=STEP, record=["wide.y*"])
     ports = tuple(Port(f"y{i}") for i in range(count))
     block = KernelBlock((Port("y"),), ports, count_step, np.zeros(0), np.zeros(1))
     bench.fmu("plant", lag.fmu)
     bench.controller("wide", block)
     bench.connect("plant.y", "wide.y")
-    return timed_run(bench.system(), ("wide.y*",)).nanoseconds / count
+    return bench
 
 
 def fmus(lag: Lag, count: int) -> float:

@@ -22,11 +22,12 @@ STEPS = 2_000_000
 UNIT = "ns a step"
 
 
-def master(setting: Setting) -> Iterator[Comparison]:
+def comparisons(setting: Setting) -> Iterator[Comparison]:
     """Bare C is the limit; a peer's answer counts if its numbers are those of the equations."""
     lags = {version: build_lag(setting.folder, version) for version in (2, 3)}
     for version, lag in lags.items():
         yield closed(lag, version)
+    yield side_by_side(lags[3])
     lag = lags[2]
     ours = {
         "ours, compiled controller": Side(partial(_checked, lag, closed_loop.OURS)),
@@ -71,16 +72,31 @@ def closed(lag: Lag, version: int) -> Comparison:
 _UNPACKED: dict[Path, Path] = {}
 
 
-def _checked(lag: Lag, name: str) -> float:
-    """Nanoseconds a step of one side, which must end where the C program does."""
+def _checked(lag: Lag, name: str, loops: int = 1) -> float:
+    """Nanoseconds a step and loop of one side, which must end where the C program does."""
     if lag.fmu not in _UNPACKED:
         _UNPACKED[lag.fmu] = Path(fmpy.extract(str(lag.fmu), str(lag.fmu.with_suffix(""))))
-    side = closed_loop.sides_of(lag, _UNPACKED[lag.fmu], STEPS)[name]
+    steps = STEPS if loops == 1 else max(100_000, STEPS // loops // 10_000 * 10_000)
+    side = closed_loop.sides_of(lag, _UNPACKED[lag.fmu], steps, loops)[name]
     found, end = side.run(side.steps), sides.bare_c(lag, False, side.steps).last
     for value, right in zip(found.last or (), end or (), strict=False):
         if not math.isclose(value, right, rel_tol=side.tolerance, abs_tol=0.0):
             raise RefusedError(f"ends at {found.last}, not at {end}")
-    return found.nanoseconds
+    return found.nanoseconds / loops
+
+
+def side_by_side(lag: Lag) -> Comparison:
+    """4 to 64 closed loops in one system, a row in 1000: ours against C."""
+    pairs = {closed_loop.C_NO_ROWS: "bare C, {} loops", closed_loop.OURS_NO_ROWS: "ours, {} loops"}
+    chosen, aims = {}, []
+    for loops in closed_loop.LOOPS[1:]:
+        c, ours = (shown.format(loops) for shown in pairs.values())
+        for name, shown in pairs.items():
+            chosen[shown.format(loops)] = Side(partial(_checked, lag, name, loops))
+        words = "Straight code of many loops is longer than the caches of instructions."
+        aims.append(Aim(f"closed loop, {loops} FMUs", ours, 1.2, words, against=c))
+    title = "Closed loops side by side, FMI 3"
+    return Comparison("closed_loops", title, "ns a step and loop", chosen, aims=tuple(aims))
 
 
 def coupled(lag: Lag, controller: Path) -> float:

@@ -4,6 +4,7 @@ uses one, and with what they say in the order of the variants."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -14,7 +15,7 @@ from harness.errors import HarnessError
 from harness.experiment.experiment import Experiment
 from harness.master.prepared import Echo
 from harness.process.side_by_side import Ended, Tell, at_once, side_by_side
-from harness.process.warm import load_loop
+from harness.process.warm import load_for_runs
 from harness.results.result import Result
 
 
@@ -48,7 +49,9 @@ def run_variants(
     if echo is not None or at_once(len(variants)) < 2:
         ended = (_here(partial(one.run, name), partial(moved, name)) for name in variants)
     else:
-        load_loop()
+        load_for_runs()
+        with suppress(HarnessError):  # what the first one loads and builds is there for all
+            experiment.bench(variants[0])
         works = [partial(one.to_folder, name) for name in variants]
         apart = side_by_side(works, lambda number, *told: moved(variants[number], *told))
         ended = (one.found(name, end) for name, end in zip(variants, apart, strict=True))

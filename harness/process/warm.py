@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 
 import numpy as np
 
@@ -36,6 +37,14 @@ def warm_up(system: System) -> None:
             blocks += [one.block(period) for one in connection.imperfections]
         for block in blocks:
             compile_step(block)
+
+
+def load_for_runs() -> None:
+    """Load what any run uses and records with, before processes are forked that would each do."""
+    import_module("harness.process.run")
+    import_module("pyarrow.parquet")
+    software_versions()
+    load_loop()
 
 
 @cache

@@ -42,7 +42,7 @@ def check_writable(folder: Path) -> None:
     leaves all as it was. Asked before long work, whose results go there."""
     missing = [one for one in (folder, *folder.parents) if not one.exists()]
     probe = folder / ".fmu-harness.probe"
-    with writing(f"cannot write into the folder {folder}", folder, way_out=ANOTHER_FOLDER):
+    with writing(f"cannot make the run folder {folder}", folder, way_out=ANOTHER_FOLDER):
         probe.touch()
         probe.unlink()
         for one in missing:

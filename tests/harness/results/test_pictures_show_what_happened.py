@@ -59,7 +59,7 @@ def test_a_unit_that_is_not_known(unit: str, label: str) -> None:
 def test_the_response_shows_the_variants_that_are_named(tmp_path: Path) -> None:
     experiment = load(tmp_path, ONE)
     results = {name: experiment.run(name) for name in experiment.variants}
-    names = set(styles(figures(experiment, results)["response"]))
+    names = set(styles(figures(experiment, results)["response"]()))
     assert "hard" in names and "soft PID" not in names
     with pytest.raises(ExperimentError, match=r"measure\.variants 'hrad': did you mean 'hard'"):
         load(tmp_path, ONE.replace('"hard"', '"hrad"'))
