@@ -75,6 +75,7 @@ class WorkerProcess:
         sys.stdout.flush()
         sys.stderr.flush()
         supervisor = os.getpid()
+        self._inherited = memory_of(supervisor)
         with compiler_at_rest():
             self.pid = os.fork()
         if self.pid == 0:
@@ -85,6 +86,10 @@ class WorkerProcess:
             os.setpgid(self.pid, self.pid)
         with contextlib.suppress(OSError):
             os.write(self._lifeline, f"{self.pid}\n".encode())
+
+    def held(self) -> int:
+        """Bytes of memory that it holds besides what it has been forked with."""
+        return max(0, memory_of(self.pid) - self._inherited)
 
     def gone(self) -> bool:
         """Whether it has ended; what an FMU of it started may still hold its end of the pipe."""

@@ -21,7 +21,7 @@ from harness.compiler.machine_code import say_nothing
 from harness.errors import SimulationError
 from harness.interrupts import Interrupts
 from harness.process import sentence
-from harness.process.fork import WorkerProcess, memory_of
+from harness.process.fork import WorkerProcess
 from harness.process.isolation import isolate, missing
 from harness.process.limits import Deadlines, Limits
 from harness.process.marker import Marker
@@ -140,7 +140,7 @@ class Watch:
 
     def _look(self, worker: WorkerProcess, deadlines: Deadlines) -> None:
         """See how far the worker is, and whether limits are kept."""
-        where, held, linked = self.marker.where(), memory_of(worker.pid), self._calls.linked
+        where, held, linked = self.marker.where(), worker.held(), self._calls.linked
         if self._notice is not None:
             self.attempt(self._notice, min(1.0, where.cycle / linked.cycles) if linked else 0.0)
         if limit := deadlines.exceeded(where, held):

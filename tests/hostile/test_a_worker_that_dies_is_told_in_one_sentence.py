@@ -1,6 +1,7 @@
 """Whatever an FMU does in whatever phase, its run ends in one sentence with its rows kept, and the
 caller, no process and no temporary file but its own are left."""
 
+import os
 import tempfile
 import time
 from contextlib import suppress
@@ -69,6 +70,12 @@ def test_memory_has_a_limit(tmp_path: Path, temporary: Path) -> None:
     limit = Limits(memory=700 * 2**20)
     with pytest.raises(SimulationError, match=r"doStep.*more than its limit of 700 MiB"):
         bench(tmp_path, "DoStep memory 50").run(limits=limit)
+
+
+def test_what_the_caller_holds_is_not_the_run_s(tmp_path: Path) -> None:
+    ballast = bytearray(os.urandom(2**20)) * 900
+    result = bench(tmp_path).run(limits=Limits(memory=700 * 2**20))
+    assert len(result.time) > 5 and len(ballast) > 700 * 2**20
 
 
 def test_a_run_has_a_limit(tmp_path: Path) -> None:
