@@ -67,8 +67,14 @@ class {name}({bridge}.Fmi{version}Slave):
     def setup_experiment(self, {experiment}):
         self._guard.setup_experiment({experiment})
 
+    def enter_initialization_mode(self):
+        self._guard.enter_initialization_mode()
+
     def exit_initialization_mode(self):
         self._guard.exit_initialization_mode()
+
+    def terminate(self):
+        self._guard.terminate()
 
     def do_step(self, current_time, step_size):
         return self._guard.do_step(current_time, step_size) or {failed}

@@ -62,7 +62,9 @@ def build_command(
             raise UsageError(f"FMI version {version} cannot be built; choose 2 or 3")
     platforms = tuple(one for given in targets or () for one in given.split(",") if one)
     if portable and platforms:
-        raise UsageError("--targets are for native FMUs; the portable one runs where Python does")
+        raise UsageError(
+            "--targets are for native FMUs; leave it out, --portable runs where Python does"
+        )
     if experiment is not None and names:
         raise UsageError("name controllers, or an experiment with --component, not both")
     if experiment is None and (variant is not None or component):
@@ -145,11 +147,13 @@ def _named(
 ) -> Sequence[str | FoundBlock]:
     """The plants and controllers that are registered as `names`, or "package.module:Class"."""
     if name is not None and len(names) > 1:
-        raise UsageError(f"--name is for one plant or controller, here are {len(names)}")
+        raise UsageError(f"--name is for one plant or controller, here are {len(names)}; give one")
     plants = list(filter(_is_plant, names))
     if len(plants) == len(names):
         if sample_time is not None or set_:
-            raise UsageError("--sample-time and --set are for controllers, not for plants")
+            raise UsageError(
+                "--sample-time and --set are for controllers, not for plants; leave them out"
+            )
         return plants
     from harness.export.find import named_controller
 

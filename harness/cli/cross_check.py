@@ -33,7 +33,7 @@ def read_options(path: Path) -> Request:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as fault:
-        raise UsageError(f"{path} cannot be read: {fault}") from fault
+        raise UsageError(f"{path} cannot be read: {fault}; give a readable text") from fault
     for number, line in enumerate(lines, start=1):
         text = line.strip().strip('"')
         if not text or text.startswith(("#", "//")):
@@ -45,7 +45,9 @@ def read_options(path: Path) -> Request:
         try:
             value = float(parts[1])
         except (IndexError, ValueError) as fault:
-            raise UsageError(f"{path}, line {number}: {line!r} holds no number") from fault
+            raise UsageError(
+                f"{path}, line {number}: {line!r} holds no number; write it as in StopTime, 10"
+            ) from fault
         if math.isfinite(value) and not (value == 0.0 and key not in ("start_time", "stop_time")):
             found[key] = value
     return Request(**found)  # type: ignore[arg-type]

@@ -43,7 +43,9 @@ def reproduce_command(
     loaded = [reproduce.load_paper(name, known) for name in names]
     root = output or registry.run_folder("reproduce")
     if update and fast:
-        raise UsageError("the fast subset decides nothing, so --update does not go with --fast")
+        raise UsageError(
+            "the fast subset decides nothing, so --update does not go with --fast; leave one out"
+        )
     if claim and (update or len(loaded) != 1):
         raise UsageError("--claim goes with one paper and without --update: a page has all claims")
     with Workers(jobs, isolated=True) as workers:

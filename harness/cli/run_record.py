@@ -130,7 +130,9 @@ def opened_run(folder: Path) -> Iterator[RunRecord]:
             "that `fmu-harness run` named, or resume from Python with Bench.run(resume=True)"
         ) from fault
     except (OSError, ValueError, KeyError, TypeError) as fault:
-        raise RecordingError(f"{path} cannot be read: {fault!r}") from fault
+        raise RecordingError(
+            f"{path} cannot be read: {fault!r}; run anew into another folder"
+        ) from fault
     if not package:
         yield RunRecord(Experiment.from_data(data, file), variants, kind=kind)
         return

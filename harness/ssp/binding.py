@@ -153,7 +153,8 @@ def read(kind: type[E], content: bytes, where: str) -> E:
     if root.tag not in {markup.clark(tag) for tag in kind.TAGS}:
         raise ExperimentError(
             f"{where}: the root element is {markup.shown(root.tag)}, not {kind.TAGS[0]} "
-            f"(of the namespace {markup.NAMESPACES[kind.TAGS[0].partition(':')[0]]})"
+            f"(of the namespace {markup.NAMESPACES[kind.TAGS[0].partition(':')[0]]}); "
+            "give a document of that kind"
         )
     known = {None, *markup.NAMESPACES, *markup.NAMESPACES.values()}
     others = [one for one in sorted(root.nsmap.items(), key=str) if known.isdisjoint(one)]
@@ -167,7 +168,9 @@ def write(element: Element) -> bytes:
         root = etree.Element(markup.clark(element.tag), nsmap=nsmap)
         _fill(root, element, 0)
     except ValueError as fault:
-        raise ExperimentError(f"{element.tag} cannot be written as XML: {fault}") from fault
+        raise ExperimentError(
+            f"{element.tag} cannot be written as XML: {fault}; leave such characters out"
+        ) from fault
     content: bytes = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
     return content + b"\n"
 
@@ -175,7 +178,9 @@ def write(element: Element) -> bytes:
 def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
     place = f"{where} line {element.sourceline}"
     if depth > markup.MAX_DEPTH:
-        raise ExperimentError(f"{place}: elements are nested deeper than {markup.MAX_DEPTH}")
+        raise ExperimentError(
+            f"{place}: elements are nested deeper than {markup.MAX_DEPTH}; nest fewer"
+        )
     attributes = dict(element.attrib)
     left = _elements(element)
     values: dict[str, Any] = {"tag": markup.shown(element.tag)}
@@ -199,7 +204,7 @@ def _from_xml(kind: type[E], element: Any, where: str, depth: int) -> E:
 def _attribute(spec: _Spec, given: str | None, at: str) -> Any:
     if given is None:
         if spec.required:
-            raise ExperimentError(f"{at} lacks its attribute {spec.attribute!r}")
+            raise ExperimentError(f"{at} lacks its attribute {spec.attribute!r}; add it")
         return spec.default
     stated = f"{at}: {spec.attribute}={given!r} is"
     if spec.choices and given not in spec.choices:
@@ -216,9 +221,10 @@ def _children(spec: _Spec, parent: Any, left: list[Any], where: str, depth: int)
         pool = [one for found in _take(left, {wrapper}) for one in _elements(found)]
     found = _take(pool, set(spec.kinds))
     if wrapper and pool:
+        legal = " or ".join(dict.fromkeys(map(markup.shown, spec.kinds)))
         raise ExperimentError(
             f"{where} line {pool[0].sourceline}: {markup.shown(pool[0].tag)} may not stand in "
-            f"{markup.shown(wrapper)}"
+            f"{markup.shown(wrapper)}; only {legal} may"
         )
     made = tuple(_from_xml(spec.kinds[one.tag], one, where, depth) for one in found)
     if spec.many:
@@ -229,7 +235,7 @@ def _children(spec: _Spec, parent: Any, left: list[Any], where: str, depth: int)
         count = "one" if spec.required else "at most one"
         raise ExperimentError(
             f"{where} line {parent.sourceline}: {markup.shown(parent.tag)} must hold {count} "
-            f"{wanted}, not {len(made)}"
+            f"{wanted}, not {len(made)}; {'add one' if not made else 'leave the others out'}"
         )
     return made[0] if made else None
 

@@ -36,14 +36,19 @@ class Change:
     def scaled(self, factor: float | Fraction, offset: float | Fraction) -> Change:
         """This, then a factor and an offset; raises `ExperimentError` where one is infinite."""
         if not (math.isfinite(factor) and math.isfinite(offset)):
-            raise ExperimentError(f"a factor of {factor} and an offset of {offset} are not finite")
+            raise ExperimentError(
+                f"a factor of {factor} and an offset of {offset} are not finite; give finite ones"
+            )
         f, o = Fraction(factor), Fraction(offset)
         return Change(self.table, f * self.factor, f * self.offset + o)
 
     def mapped(self, table: Table) -> Change:
         """This, then a table; raises `ExperimentError` after a factor or offset."""
         if self.factor != 1 or self.offset != 0:
-            raise ExperimentError("a mapping of values cannot follow a linear transformation")
+            raise ExperimentError(
+                "a mapping of values cannot follow a linear transformation; put the mapping first, "
+                "or the factor and the offset into its entries"
+            )
         first, second = dict(self.table), dict(table)
         merged = {key: second.get(value, value) for key, value in first.items()}
         merged |= {key: value for key, value in second.items() if key not in first}
@@ -70,7 +75,9 @@ def as_float(value: Fraction) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise ExperimentError("a transformation exceeds the largest double") from None
+        raise ExperimentError(
+            "a transformation exceeds the largest double; lower its factor"
+        ) from None
 
 
 def transformed(
@@ -88,7 +95,9 @@ def _table(given: MappingTransformation, source: Items | None, target: Items | N
     for entry in given.entries:
         key = _number(kind, entry.source, source, "source")
         if key in found:
-            raise ExperimentError(f"{kind}: the source {entry.source!r} is mapped twice")
+            raise ExperimentError(
+                f"{kind}: the source {entry.source!r} is mapped twice; leave one entry out"
+            )
         found[key] = _number(kind, entry.target, target, "target")
     return tuple(found.items())
 
@@ -101,7 +110,10 @@ def _number(kind: str, text: str, items: Items | None, end: str) -> int:
     except ValueError as fault:
         raise ExperimentError(f"{kind}: the {end} {text!r} is {fault}") from fault
     if items is None:
-        raise ExperimentError(f"{kind}: the {end} connector names no enumeration of the document")
+        raise ExperimentError(
+            f"{kind}: the {end} connector names no enumeration of the document; give its type one "
+            "of ssd:Enumerations, or map integers"
+        )
     if text not in items:
         hint = nearest(text, items)
         raise ExperimentError(f"{kind}: {text!r} is no item of the {end}'s enumeration; {hint}")

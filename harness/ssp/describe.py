@@ -106,7 +106,9 @@ class Describer:
         if unit is None or unit.exponents is None:
             return None
         if self._known.setdefault(unit.name, unit) != unit:
-            raise ExperimentError(f"two FMUs define the unit {unit.name!r} differently")
+            raise ExperimentError(
+                f"two FMUs define the unit {unit.name!r} differently; rename it in one of them"
+            )
         return unit.name
 
 

@@ -53,7 +53,8 @@ def flat_wires(ports: Ports) -> tuple[FlatWire, ...]:
         other = incoming.setdefault(edge.target, edge)
         if other is not edge:
             raise ExperimentError(
-                f"{edge.place}: {edge.target} is fed twice, from {other.source} and {edge.source}"
+                f"{edge.place}: {edge.target} is fed twice, from {other.source} and {edge.source}; "
+                "leave one of the connections out"
             )
     ends = [node for node in incoming if node.path in tree.fmu_at and not node.dictionary]
     return tuple(_followed(node, incoming, tree) for node in ends)
@@ -67,7 +68,8 @@ def _followed(target: Node, incoming: Mapping[Node, Edge], tree: Tree) -> FlatWi
         if edge in edges:
             circle = " -> ".join(str(one.source) for one in reversed(edges))
             raise ExperimentError(
-                f"{edge.place}: connectors feed one another in a circle: {circle}"
+                f"{edge.place}: connectors feed one another in a circle: {circle}; "
+                "let one of them take its value from an output of an FMU"
             )
         edges.append(edge)
         node = edge.source
@@ -101,7 +103,7 @@ def _directed(system: SystemNode, c: Connection, ports: Ports) -> Edge:
     place = f"{system.scope.where}: connection {start} – {end}{inside}"
     with at(place):
         if c.start_indices or c.end_indices:
-            raise ExperimentError("single elements of arrays cannot be connected yet")
+            raise ExperimentError("single elements of arrays are not connected; connect whole ones")
         first, second = (_node(system, element, name, ports) for element, name in ends)
         roles = [
             _role(ports.port(node).kind, own=not element)

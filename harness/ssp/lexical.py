@@ -28,7 +28,7 @@ def read_double(text: str) -> float:
     if text in _SPECIAL:
         return _SPECIAL[text]
     if not _DOUBLE.match(text):
-        raise ValueError("no number")
+        raise ValueError("no number; write one, such as 1.5 or INF")
     return float(text)
 
 
@@ -41,14 +41,14 @@ def write_double(value: float) -> str:
 def read_integer(text: str) -> int:
     """An xs:integer."""
     if not _INTEGER.match(text.strip()):
-        raise ValueError("no whole number")
+        raise ValueError("no whole number; write one, such as 3")
     return int(text)
 
 
 def read_boolean(text: str) -> bool:
     """An xs:boolean."""
     if text.strip() not in _BOOLEANS:
-        raise ValueError("neither true nor false")
+        raise ValueError("neither true nor false; write one of them")
     return _BOOLEANS[text.strip()]
 
 

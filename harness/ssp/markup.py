@@ -58,7 +58,9 @@ def parse(content: bytes, where: str) -> Any:
     is not declared means what it means elsewhere, with a warning.
     """
     if len(content) > MAX_XML_BYTES:
-        raise ExperimentError(f"{where}: {len(content)} bytes; at most {MAX_XML_BYTES} are read")
+        raise ExperimentError(
+            f"{where}: {len(content)} bytes, at most {MAX_XML_BYTES} are read; divide the document"
+        )
     parser = etree.XMLParser(
         resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False, remove_pis=True
     )
@@ -66,10 +68,14 @@ def parse(content: bytes, where: str) -> Any:
     try:
         root = etree.fromstring(_declared(standard, where), parser)
     except (etree.XMLSyntaxError, ValueError) as fault:
-        raise ExperimentError(f"{where} is no readable XML: {fault}") from fault
+        raise ExperimentError(
+            f"{where} is no readable XML: {fault}; mend the document, or have it exported anew"
+        ) from fault
     docinfo: Any = root.getroottree().docinfo
     if docinfo.doctype:
-        raise ExperimentError(f"{where} has a DOCTYPE, which SSP documents may not have")
+        raise ExperimentError(
+            f"{where} has a DOCTYPE, which SSP documents may not have; leave it out"
+        )
     drafts = [e for e in root.iter("*") if e.get("version", "").startswith("Draft")]
     if standard != content or drafts:
         warn(f"{where} is of a draft of SSP; it is read as SSP 1.0", stacklevel=2)
@@ -104,7 +110,7 @@ def canonical(element: Any, where: str = "annotation") -> str:
     except etree.C14NError as fault:
         raise ExperimentError(
             f"{where}: {shown(element.tag)} has no canonical form: every namespace must be an "
-            "absolute URI, such as urn:name"
+            "absolute URI; give it one, such as urn:name"
         ) from fault
     return text.decode("utf-8")
 

@@ -55,14 +55,17 @@ class Package:
         relative = unquote(parts.path)
         if parts.scheme or parts.netloc or relative.startswith("/") or "\\" in relative:
             raise ExperimentError(
-                f"source {uri!r} is no relative URI; only files of the package are read"
+                f"source {uri!r} is no relative URI, only files of the package are read; put the "
+                "file into it, and name it as in resources/plant.fmu"
             )
         if not relative or "\0" in relative:
-            raise ExperimentError(f"source {uri!r} names no file")
+            raise ExperimentError(
+                f"source {uri!r} names no file; give one, such as resources/plant.fmu"
+            )
         root = self.folder.resolve()
         found = ((base or self.folder) / relative).resolve()
         if self.closed and not found.is_relative_to(root):
-            raise ExperimentError(f"source {uri!r} leaves the package")
+            raise ExperimentError(f"source {uri!r} leaves the package; put the file into it")
         if not found.exists():
             legal = [p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()]
             raise ExperimentError(f"there is no file {uri!r}; {nearest(relative, legal)}")
@@ -85,7 +88,9 @@ def open_package(path: str | Path) -> Iterator[Package]:
             except FmuError as fault:
                 raise ExperimentError(str(fault).replace("FMU", "SSP", 1)) from fault
         elif not (path / DEFAULT).is_file():
-            raise ExperimentError(f"folder {path} has no {DEFAULT}; it is no unpacked SSP")
+            raise ExperimentError(
+                f"folder {path} has no {DEFAULT}; it is no unpacked SSP; give one"
+            )
         files = {DEFAULT: read_document(SystemStructure, folder / DEFAULT, f"{path}/{DEFAULT}")}
         for name in sorted(p.name for p in folder.glob("*.ssd") if p.name != DEFAULT):
             with left_out_where_faulty(f"{path}/{name}"):
@@ -117,7 +122,7 @@ def save_package(
                     shutil.copyfileobj(file, member)
         made.replace(target)
     except OSError as fault:
-        raise ExperimentError(f"{target} cannot be written: {fault}") from fault
+        raise ExperimentError(f"{target} cannot be written: {fault}; choose another") from fault
     finally:
         made.unlink(missing_ok=True)
 
@@ -142,4 +147,4 @@ def read_bytes(path: Path, where: str) -> bytes:
     try:
         return path.read_bytes()
     except OSError as fault:
-        raise ExperimentError(f"{where} cannot be read: {fault}") from fault
+        raise ExperimentError(f"{where} cannot be read: {fault}; give a readable file") from fault

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from warnings import warn
 
-from harness.errors import ExperimentError, UnitError
+from harness.errors import ExperimentError, UnitError, nearest
 from harness.ssp import document as ssd
 from harness.ssp.change import Change, Items, transformed
 from harness.ssp.common import KINDS, Transformation
@@ -54,7 +54,10 @@ class Value:
         if not isinstance(one, str):
             return float(one)
         if self.items is None or one not in self.items:
-            raise ExperimentError(f"{one!r} is no number and no item of a known enumeration")
+            hint = nearest(one, self.items or ())
+            raise ExperimentError(
+                f"{one!r} is no number and no item of a known enumeration; {hint}"
+            )
         return float(self.items[one])
 
 
@@ -98,13 +101,13 @@ def _value(parameter: Parameter, known: Definitions) -> Value:
     if given.value is not None:
         texts = [given.value] if form is str else given.value.split()
     if given.kind == "Binary":
-        raise ExperimentError(f"{parameter.name}: binary parameters cannot be set")
+        raise ExperimentError(f"{parameter.name}: binary parameters cannot be set; leave it out")
     try:
         content = tuple(map(FORMS[form].read, texts))
     except ValueError as fault:
         what = f"the {given.kind} {given.value!r}"
         raise ExperimentError(f"{parameter.name}: {what} is {fault}") from fault
     if not content:
-        raise ExperimentError(f"{parameter.name} has no value")
+        raise ExperimentError(f"{parameter.name} has no value; give it one")
     unit, items = known.unit(given.unit), known.items(given.name)
     return Value(content, unit, items, array=bool(parameter.dimensions))

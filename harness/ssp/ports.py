@@ -66,14 +66,17 @@ class Ports:
 
     def referred(self, path: TreePath, reference: DictionaryReference, name: str) -> Node:
         """The dictionary entry behind a reference's connector, in this or an enclosing system."""
+        known: list[str] = []
         for depth in range(len(path), -1, -1):
             for one in self.tree.system_at[path[:depth]].element.dictionaries:
+                known.append(one.name)
                 if one.name == reference.dictionary:
                     return Node(path[:depth], name, one.name)
         where = self.tree.system_at[path].scope.where
         raise ExperimentError(
             f"{where}: signal dictionary reference {'.'.join((*path, reference.name))}: there is "
-            f"no dictionary {reference.dictionary!r} in its system or around it"
+            f"no dictionary {reference.dictionary!r} in its system or around it; "
+            f"{nearest(reference.dictionary, known)}"
         )
 
     def _find(self, node: Node) -> Port:

@@ -38,7 +38,7 @@ def sequence_block(component: SignalComponent, system: System, unit: str = "") -
     if component.phase_ns:
         raise ExperimentError(
             f"component {component.name} starts at {show(component.phase_ns)}; a signal with a "
-            "phase cannot become an FMU"
+            "phase cannot become an FMU; leave its phase out"
         )
     count = (system.stop_ns - system.start_ns) // component.period_ns + 1
     instants = system.start_ns + component.period_ns * np.arange(count, dtype=np.int64)

@@ -58,7 +58,9 @@ def annotation(settings: Mapping[str, Any]) -> tuple[Annotation, ...]:
     try:
         content = json.dumps(dict(settings), ensure_ascii=False)
     except (TypeError, ValueError) as fault:
-        raise ExperimentError(f"settings cannot be written as JSON: {fault}") from fault
+        raise ExperimentError(
+            f"settings cannot be written as JSON: {fault}; give texts, numbers, lists and tables"
+        ) from fault
     xml = f'<Settings xmlns="{NAMESPACE}">{escape(content, quote=False)}</Settings>'
     return (Annotation(type=TYPE, more=(markup.canonical(markup.parsed(xml)),)),)
 
@@ -100,7 +102,10 @@ def check_names(settings: Mapping[str, Any], where: str) -> None:
     for table in ("plots", "metrics"):
         for name in settings.get(table) or {}:
             if safe_name(name) != name:
-                raise ExperimentError(f"{where}: {table}: the name {name!r} is not fit for a file")
+                raise ExperimentError(
+                    f"{where}: {table}: the name {name!r} is not fit for a file; take one such as "
+                    f"{safe_name(name)!r}"
+                )
 
 
 def _read(one: Annotation, where: str) -> dict[str, Any]:
@@ -111,11 +116,15 @@ def _read(one: Annotation, where: str) -> dict[str, Any]:
         try:
             found = json.loads(element.text or "")
         except (ValueError, RecursionError) as fault:
-            raise ExperimentError(f"{where}: annotation {TYPE} is no JSON: {fault}") from fault
+            raise ExperimentError(
+                f"{where}: annotation {TYPE} is no JSON: {fault}; mend it, or leave it out"
+            ) from fault
         if not isinstance(found, dict):
-            raise ExperimentError(f"{where}: annotation {TYPE} holds no JSON object")
+            raise ExperimentError(
+                f'{where}: annotation {TYPE} holds no JSON object; write one, such as {{"seed": 7}}'
+            )
         return found
-    raise ExperimentError(f"{where}: annotation {TYPE} holds no element {_TAG}")
+    raise ExperimentError(f"{where}: annotation {TYPE} holds no element {_TAG}; add it")
 
 
 def _step(given: str, kind: str) -> tuple[float, str] | None:

@@ -146,7 +146,7 @@ class _Importer:
             for node in self.ports.tree.fmus
         }
         if not components:
-            raise ExperimentError(f"{self.where} has no FMU to run")
+            raise ExperimentError(f"{self.where} has no FMU to run; add a component with one")
         fmus = {
             names[node.path]: self.ports.describe(node.source)
             for node in self.ports.tree.fmus
@@ -193,7 +193,10 @@ class _Importer:
         for edge in wire.edges:
             given = settings_of(edge.connection.annotations, WIRE_SETTINGS, edge.place)
             if given and own:
-                raise ExperimentError(f"{edge.place}: delays or imperfections in two places")
+                raise ExperimentError(
+                    f"{edge.place}: delays or imperfections in two places of one way from output "
+                    "to input; leave one of the annotations out"
+                )
             own |= given
         only = wire.edges[0].connection
         linear = only.transformation or LinearTransformation()

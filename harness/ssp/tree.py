@@ -75,17 +75,21 @@ class Scope:
         that URI; its type must be the `legal` one. Raises `ExperimentError`."""
         if given.type != legal:
             raise ExperimentError(
-                f"a {kind.__name__} of type {given.type!r} cannot be read; {legal} can"
+                f"a {kind.__name__} of type {given.type!r} cannot be read; give one of {legal}"
             )
         uri = given.source
         if uri is None:
             if isinstance(given.inline, kind):
                 return given.inline
-            raise ExperimentError(f"the {kind.__name__} has neither a source nor a content")
+            raise ExperimentError(
+                f"the {kind.__name__} has neither a source nor a content; give it one of them"
+            )
         if given.source_base == "SSD":
             return read_document(kind, self.resolve(uri), uri)
         if fmu is None:
-            raise ExperimentError(f"{uri!r} is relative to a component without FMU")
+            raise ExperimentError(
+                f"{uri!r} is relative to a component without FMU; leave out its sourceBase"
+            )
         return binding.read(kind, _member(self.resolve(fmu), uri), uri)
 
 
@@ -94,7 +98,10 @@ def _member(archive: Path, name: str) -> bytes:
         with zipfile.ZipFile(archive) as opened:
             return opened.read(name)
     except (OSError, KeyError, zipfile.BadZipFile, RuntimeError) as fault:
-        raise ExperimentError(f"{archive.name} has no readable {name!r}") from fault
+        raise ExperimentError(
+            f"{archive.name} has no readable {name!r}; pack it into the FMU, or put it beside the "
+            "description and leave out sourceBase"
+        ) from fault
 
 
 Bindings = tuple[tuple[ssd.ParameterBinding, Scope], ...]
@@ -181,14 +188,21 @@ class _Builder:
         own = tuple((one, scope) for one in element.bindings)
         self.systems.append(SystemNode(path, element, scope, (*own, *bindings)))
         if len(path) > MAX_NESTING:
-            raise ExperimentError(f"{place}: systems are nested deeper than {MAX_NESTING}")
+            raise ExperimentError(
+                f"{place}: systems are nested deeper than {MAX_NESTING}; nest fewer"
+            )
         seen: set[str] = set()
         for one in element.elements:
             self.count += 1
             if self.count > MAX_ELEMENTS:
-                raise ExperimentError(f"{place}: more than {MAX_ELEMENTS} elements in all")
+                raise ExperimentError(
+                    f"{place}: more than {MAX_ELEMENTS} elements in all; leave some out"
+                )
             if one.name in seen or not one.name:
-                raise ExperimentError(f"{place}: the element name {one.name!r} is used twice")
+                fault = "is used twice" if one.name else "is empty"
+                raise ExperimentError(
+                    f"{place}: the element name {one.name!r} {fault}; give each its own"
+                )
             seen.add(one.name)
             if isinstance(one, ssd.SystemElement):
                 self.add_system((*path, one.name), one, scope, ())
@@ -208,7 +222,9 @@ class _Builder:
                 return
             system, inner = self._system_of(one, scope)
             if id(system) in self.entered:
-                raise ExperimentError(f"{one.source!r} would be a part of itself")
+                raise ExperimentError(
+                    f"{one.source!r} would be a part of itself; name another system"
+                )
         self.entered.append(id(system))
         known = {c.name for c in system.connectors}
         more = tuple(c for c in one.connectors if c.name not in known)
@@ -224,7 +240,9 @@ class _Builder:
         if not uri:
             found = _by_id(scope.structure.system, fragment)
             if found is None:
-                raise ExperimentError(f"no system has the id {fragment!r}")
+                raise ExperimentError(
+                    f"no system has the id {fragment!r}; give it to one, or name another"
+                )
             return found, scope
         path = scope.resolve(uri)
         if one.type == ssd.SSD_TYPE:
@@ -235,8 +253,8 @@ class _Builder:
             return self.documents[path].structure.system, self.documents[path]
         if one.type != ssd.SSP_TYPE:
             raise ExperimentError(
-                f"it is of type {one.type!r}; FMUs ({ssd.FMU_TYPE}) and other descriptions can "
-                "be run"
+                f"it is of type {one.type!r}; give an FMU ({ssd.FMU_TYPE}), or a description "
+                f"({ssd.SSD_TYPE}, {ssd.SSP_TYPE})"
             )
         if path not in self.packages:
             self.packages[path] = self.stack.enter_context(open_package(path))

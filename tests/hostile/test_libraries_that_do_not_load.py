@@ -1,5 +1,7 @@
-"""A library that cannot be loaded says why: which platform, which dependency, which symbol."""
+"""A library that cannot be loaded says why (which platform, which dependency, which symbol) and
+names the way out."""
 
+import re
 import struct
 import subprocess
 import zipfile
@@ -52,6 +54,7 @@ def refused(path: Path, words: str) -> None:
     with Fmu(path) as fmu, pytest.raises(FmuError, match=words) as caught:
         fmu.instantiate("plant")
     assert str(caught.value).isprintable()
+    assert re.search(r"[;:] (have it|install|mend the|--compile)[^;:]*$", str(caught.value))
 
 
 def compiled(folder: Path, source: str, *options: str) -> bytes:
@@ -108,4 +111,8 @@ def test_missing_functions_are_named_before_anything_is_called(tmp_path: Path, f
 def test_platforms_that_are_there_are_named(tmp_path: Path) -> None:
     refused(fmu_with(tmp_path, b"", "win64", "hostile.dll"), "it has win64")
     refused(fmu_with(tmp_path, b"", HERE, "other.so"), "no library hostile.so .*has other.so inst")
-    refused(fmu_with(tmp_path, b"", "nowhere", "text.txt"), "it has no libraries at all")
+    path = fmu_with(tmp_path, b"", "nowhere", "text.txt")
+    refused(path, f"it has no libraries at all: have it exported for {HERE}")
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("sources/all.c", "")
+    refused(path, r"it has no libraries at all \(and sources\): --compile builds one")

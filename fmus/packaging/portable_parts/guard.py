@@ -3,6 +3,8 @@
 The library turns every exception into Fatal, after which an importer may not even free the
 instance. Here a refused call changes nothing, is written to the log, and fails the next step, which
 the importer learns as a status that it can go on from.
+
+The libraries pass on calls in every state of the FMI state machine, so the state is held here.
 """
 
 from __future__ import annotations
@@ -15,6 +17,10 @@ from zlib import crc32
 
 SLACK = 16 * 2.0**-52  # as in `life_cycle.c`
 
+_MODES = ("instantiated", "initialization mode", "step mode", "terminated")
+INSTANTIATED, INITIALIZATION, STEP, TERMINATED = _MODES
+_OWN = ("start", "time", "mode", "fault")
+
 
 class Guard:
     """The `instance` of a plant or a block; `log` takes what is refused, as one line."""
@@ -24,25 +30,39 @@ class Guard:
         self._instance = instance
         self._log = log
         self._fault: str | None = None
-        self._start = self._time = 0.0
+        self._mode = INSTANTIATED
+        self._start: float | None = None
+        self._time = 0.0
 
     def setup_experiment(self, start_time: float, *limits: float | None) -> None:
         """Start time, and what else the bridge passes on (stop time, tolerance)."""
-        self._start = self._time = start_time
-        self._attempt(self._instance.setup_experiment, start_time, *limits)
+        self._attempt("SetupExperiment", (INSTANTIATED,), self._begin, start_time, *limits)
+
+    def enter_initialization_mode(self) -> None:
+        """From instantiated to initialization mode."""
+        self._attempt("EnterInitializationMode", (INSTANTIATED,), self._move, INITIALIZATION)
 
     def exit_initialization_mode(self) -> None:
         """The run begins."""
-        self._attempt(self._instance.exit_initialization_mode)
+
+        def leave() -> None:
+            self._instance.exit_initialization_mode()
+            self._move(STEP)
+
+        self._attempt("ExitInitializationMode", (INITIALIZATION,), leave)
+
+    def terminate(self) -> None:
+        """The run ends; values are only read after it."""
+        self._attempt("Terminate", (STEP,), self._move, TERMINATED)
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values by value reference, NaN where the call is refused."""
-        found = self._attempt(self._instance.get_real, vrs)
+        found = self._attempt("Get", _MODES, self._instance.get_real, vrs)
         return [nan] * len(vrs) if found is None else list(found)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set all of the values or none."""
-        self._attempt(self._instance.set_real, vrs, values)
+        self._attempt("Set", _MODES[:-1], self._instance.set_real, vrs, values)
 
     def do_step(self, time: float, length: float) -> bool:
         """Whether the step was done; it fails for an open fault, too, and closes it."""
@@ -52,7 +72,10 @@ class Guard:
             self._fault = None
             return False
         try:
-            self._check_step(time, length)
+            self._check_mode("DoStep", (STEP,))
+            if self._start is None and isfinite(time):  # pythonfmu3 passes no start time on
+                self._begin(time)
+            self._check_step(time, length, self._start or 0.0)
             self._instance.do_step(time, length)
         except Exception as failure:
             self._log(str(failure))
@@ -62,7 +85,7 @@ class Guard:
 
     def get_state(self) -> dict[str, Any]:
         """Everything that a restored instance needs, ready for JSON."""
-        own = {"start": self._start, "time": self._time, "fault": self._fault}
+        own = {name: getattr(self, f"_{name}") for name in _OWN}
         return {**own, "instance": self._instance.get_state()}
 
     def set_state(self, state: dict[str, Any]) -> None:
@@ -72,21 +95,40 @@ class Guard:
             if "damaged" in state:
                 raise ValueError(state["damaged"])
             self._instance.set_state(state["instance"])
-            self._start, self._time, self._fault = (state[k] for k in ("start", "time", "fault"))
+            for name in _OWN:
+                setattr(self, f"_{name}", state[name])
 
-        self._attempt(take)
+        self._attempt("SetFMUState", _MODES, take)
 
-    def _check_step(self, time: float, length: float) -> None:
+    def _begin(self, time: float, *limits: float | None) -> None:
+        self._start = self._time = time
+        self._instance.setup_experiment(time, *limits)
+
+    def _move(self, mode: str) -> None:
+        self._mode = mode
+
+    def _check_mode(self, name: str, legal: tuple[str, ...]) -> None:
+        if self._mode not in legal:
+            raise ValueError(
+                f"{name}: not allowed while the instance is in the state {self._mode!r}, "
+                f"only in {' or '.join(map(repr, legal))}."
+            )
+
+    def _check_step(self, time: float, length: float, start: float) -> None:
         if not (length > 0 and isfinite(length)):
             raise ValueError(f"The step size is {length!r} s, it must be above 0.")
-        if not abs(time - self._time) <= SLACK * (abs(time) + abs(self._start) + length):
+        if not abs(time - self._time) <= SLACK * (abs(time) + abs(start) + length):
             raise ValueError(
                 f"The step starts at {time!r} s, but the instance stands at {self._time!r} s."
             )
 
-    def _attempt(self, call: Callable[..., Any], *arguments: Any) -> Any:
-        """The call's result; None where it is refused, and the fault is kept."""
+    def _attempt(
+        self, name: str, legal: tuple[str, ...], call: Callable[..., Any], *arguments: Any
+    ) -> Any:
+        """The result of the FMI function `name`; None where it is refused, and the fault is
+        kept."""
         try:
+            self._check_mode(name, legal)
             return call(*arguments)
         except Exception as fault:
             self._fault = self._fault or str(fault) or type(fault).__name__

@@ -62,13 +62,15 @@ def library_path(folder: Path, model_identifier: str, fmi_major: int) -> Path:
     there = sorted(p for p in binaries.glob("*/*") if p.suffix in SUFFIXES)
     here = [p.name for p in there if p.parent.name in names]
     if here:
-        found = f"{', '.join(here)} instead"
+        found, way = f"{', '.join(here)} instead", "mend the modelIdentifier or the file's name"
     else:
         found = ", ".join(dict.fromkeys(p.parent.name for p in there)) or "no libraries at all"
-    sources = (folder / "sources").is_dir() and not here
+        way = f"have it exported for {platform_tuple()}"
+        if (folder / "sources").is_dir():
+            found, way = f"{found} (and sources)", "--compile builds one"
     raise FmuError(
-        f"FMU has no library {model_identifier}{suffix} for {' or '.join(names)}; it has {found}"
-        + (" (and sources: --compile builds one)" if sources else "")
+        f"FMU has no library {model_identifier}{suffix} for {' or '.join(names)}; "
+        f"it has {found}: {way}"
     )
 
 
@@ -168,17 +170,23 @@ class Library:
         self.component = path.name
         fault = f"library {path.name} of the FMU cannot be loaded"
         if unfit := _unfit(path):
-            raise FmuError(f"{fault}: {unfit}")
+            raise FmuError(f"{fault}: {unfit}; have it exported anew for {platform_tuple()}")
         try:  # it lies at FMU/binaries/PLATFORM/NAME
             self._library, self._first = load_with_neighbours(path, path.parents[2])
         except OSError as said:
-            raise FmuError(f"{fault}: {_loader_reason(str(said), path)}") from said
+            raise FmuError(
+                f"{fault}: {_loader_reason(str(said), path)}; install what it needs, or have it "
+                "exported with that inside"
+            ) from said
 
     def address(self, name: str) -> int:
         """Address of the function `name`; raises `FmuError` when the library lacks it."""
         address = self.find(name)
         if address is None:
-            raise FmuError(f"library {self.path.name} has no function {name}")
+            raise FmuError(
+                f"library {self.path.name} of the FMU has no function {name}, which is to be "
+                "called; have it exported with that"
+            )
         return address
 
     def require(self, names: Iterable[str]) -> None:
@@ -188,7 +196,7 @@ class Library:
             what = "function" if len(missing) == 1 else "functions"
             raise FmuError(
                 f"library {self.path.name} of the FMU lacks the {what} {', '.join(missing)}, "
-                "which the standard demands"
+                "which the standard demands; have it exported with all of them"
             )
 
     def close(self) -> None:

@@ -47,10 +47,20 @@ def test_a_value_reference_that_no_variable_has(fmu: Raw) -> None:
 
 
 @pytest.mark.parametrize(("time", "length", "word"), [
-    (0.0, 0.0, "above 0"), (0.0, -1.0, "above 0"), (1.0, 0.1, "stands at 0.0"),
+    (0.1, 0.0, "above 0"), (0.1, -1.0, "above 0"), (1.0, 0.1, "stands at 0.1"),
 ])  # fmt: skip
 def test_an_illegal_step(fmu: Raw, time: float, length: float, word: str) -> None:
+    assert fmu.step(0.0, 0.1) == OK
     fails_once(fmu, word, time=time, length=length)
+
+
+def test_the_first_step_begins_at_the_start_time(fmu: Raw) -> None:
+    assert fmu.call("Reset") == OK
+    assert fmu.set("state", 1e-3) == OK
+    assert fmu.enter_initialization(5.0) == OK
+    assert fmu.call("ExitInitializationMode") == OK
+    assert fmu.step(5.0, 0.1) == OK, fmu.messages
+    assert fmu.get("time") == 5.1
 
 
 def test_it_is_open_until_then_and_gone_after_reset(fmu: Raw) -> None:

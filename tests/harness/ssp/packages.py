@@ -1,5 +1,6 @@
 """Packages for the tests: written as folders or archives, with FMUs that are described only."""
 
+import re
 import zipfile
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -30,6 +31,12 @@ UNITS = """<ssd:Units>
     <ssc:BaseUnit K="1" factor="0.5555555555555556" offset="255.3722222222222"/>
   </ssc:Unit>
 </ssd:Units>"""
+
+WAY_OUT = re.compile(
+    r"; .*\b(add|choose|connect|did you mean|divide|give|have it exported|leave|legal names|let|"
+    r"lower|mend|must be|name|nest fewer|only .* may|pack|put|take|there are none|write)\b"
+)
+"""How the sentence of a refusal ends."""
 
 
 def ssd(inner: str, more: str = "", *, name: str = "test", version: str = "1.0") -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import ExperimentError
-from tests.harness.ssp.packages import Read, component, connector, folder, ssd, wire
+from tests.harness.ssp.packages import WAY_OUT, Read, component, connector, folder, ssd, wire
 
 Y, U = connector("y", "output"), connector("u", "input")
 
@@ -89,5 +89,6 @@ def test_another_description_takes_the_place_of_a_component(tmp_path: Path) -> N
 )
 def test_faults_name_both_ends(tmp_path: Path, connections: tuple[str, ...], words: str) -> None:
     three = component("a", Y) + component("b", U) + component("c", Y)
-    with pytest.raises(ExperimentError, match=words):
+    with pytest.raises(ExperimentError, match=words) as caught:
         read(tmp_path, three, *connections)
+    assert WAY_OUT.search(str(caught.value))

@@ -16,7 +16,7 @@ from harness.ssp import from_experiment
 from harness.ssp.to_experiment import open_experiment
 from harness.system.block import Block
 from tests.harness.fmi.archives import oscillator_fmu
-from tests.harness.ssp.packages import described_only
+from tests.harness.ssp.packages import WAY_OUT, described_only
 
 pytestmark = pytest.mark.filterwarnings("ignore:in other tools")
 
@@ -162,6 +162,7 @@ PYTHON = {"controller": "tests.harness.experiment.loops:Lag", "outputs": ["y"]}
 def test_what_has_no_fmu_says_so(tmp_path: Path, component: Table, words: str) -> None:
     data = loop()
     data["components"]["more"] = component
-    with pytest.raises(ExperimentError, match=words):
+    with pytest.raises(ExperimentError, match=words) as caught:
         exported(data, tmp_path)
+    assert WAY_OUT.search(str(caught.value))
     assert not list(tmp_path.glob("*.ssp*"))
