@@ -37,13 +37,18 @@ def repeat(folder: Path, behaviour: str, in_process: bool) -> Callable[[], None]
 
 
 def stay_flat(one: Callable[[], None], warm: int, count: int, growth: int) -> None:
+    """What leaks grows in every round; what malloc takes once for all, in a process that has much
+    already, grows in one."""
     for _ in range(warm):
         one()
-    memory, open_files = held(), descriptors()
-    for _ in range(count):
-        one()
-    assert descriptors() == open_files
-    assert held() - memory < growth, f"{held() - memory} bytes more after {count} runs"
+    more = []
+    while len(more) < 3 and (not more or more[-1] >= growth):
+        memory, open_files = held(), descriptors()
+        for _ in range(count):
+            one()
+        assert descriptors() == open_files
+        more.append(held() - memory)
+    assert more[-1] < growth, f"{more} bytes more in rounds of {count} runs"
 
 
 @pytest.fixture
