@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -17,6 +18,14 @@ HARNESS = "from harness.cli.main import main; main()"
 def seconds(*arguments: str) -> float:
     """Wall time of `fmu-harness` with these arguments."""
     return timed([sys.executable, "-c", HARNESS, *arguments])
+
+
+def processor() -> float:
+    """Processor time (s) of this process and of all that it has waited for."""
+    own, others = (
+        resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
+    return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime
 
 
 def timed(
