@@ -98,8 +98,10 @@ def picture(found: Found, path: Path) -> None:
                 ha="center", fontsize=7,
             )  # fmt: skip
         axes.set_yticks(places, names)
-        axes.set(xscale="log", xlabel=one.unit)
-        axes.set_xlim(min(map(min, values)) / 2.0, 2.0 * max(map(max, values)))
+        axes.set_xlabel(one.unit)
+        if min(map(min, values)) > 0.0:  # a difference of two times may be below 0
+            axes.set_xscale("log")
+            axes.set_xlim(min(map(min, values)) / 2.0, 2.0 * max(map(max, values)))
         axes.set_ylim(-0.6, len(names) - 0.2)
     axes.set_title(one.title, fontsize=10)
     axes.grid(alpha=0.3, which="major")
