@@ -39,24 +39,33 @@ Units = Mapping[str, str]
 def check_experiment(experiment: Experiment, variants: Sequence[str] = ()) -> None:
     """Judge all that is to be run; raises `ExperimentError` with a line for each fault, and what
     is raised for an FMU that cannot be opened."""
-    faults: list[str] = []
+    told: dict[str, list[str]] = {}
     recorded: dict[str, Units] = {}
+    chosen = variants or experiment.variants
     with ExitStack() as stack:
         opened: dict[tuple[str, bool], Fmu] = {}
-        for variant in variants or experiment.variants:
+        for variant in chosen:
             spec = experiment.variant_spec(variant)
-            where = f"{experiment.path} ({variant})"
             try:
                 recorded[variant] = _recorded(experiment, variant, opened, stack)
-                faults += _signal_faults(spec, recorded[variant], where)
+                found = list(_signal_faults(spec, recorded[variant]))
             except (UsageError, ExperimentError, GraphError, TimingError) as fault:
-                said = str(fault)
-                faults.append(said if said.startswith(where) else f"{where}: {said}")
+                found = str(fault).splitlines()
+            for one in found:
+                said = one.removeprefix(f"{experiment.path} ({variant}): ")
+                told.setdefault(said, []).append(variant)
+    faults = [_of_variants(experiment, said, own, len(chosen)) for said, own in told.items()]
     if not faults:
         faults += [f"{experiment.path}: {one}" for one in _plot_faults(experiment, recorded)]
     faults += _metric_faults(experiment)
     if faults:
         raise ExperimentError("\n".join(dict.fromkeys(faults)))
+
+
+def _of_variants(experiment: Experiment, said: str, variants: Sequence[str], count: int) -> str:
+    """A fault with the variants that have it, which are not named where all of several have it."""
+    some = "" if len(variants) == count > 1 else f" ({', '.join(variants)})"
+    return f"{experiment.path}{some}: {said}"
 
 
 def check_metrics(experiment: Experiment) -> None:
@@ -77,12 +86,12 @@ def _recorded(
     return {column.name: column.unit for column in columns_of(plan, fmus)}
 
 
-def _signal_faults(spec: ExperimentSpec, units: Units, where: str) -> Iterator[str]:
+def _signal_faults(spec: ExperimentSpec, units: Units) -> Iterator[str]:
     """Signals of `measure` and `metrics` that are not recorded, or in units that do not match."""
     needed = dict.fromkeys(needed_signals(spec))
     missing = [name for name in needed if name not in units]
     for name in missing:
-        yield f"{where}: signal {name!r} is asked for but not recorded; {nearest(name, units)}"
+        yield f"signal {name!r} is asked for but not recorded; {nearest(name, units)}"
     pairs: list[tuple[str, str, str]] = []
     if spec.measure is not None:
         m = spec.measure
@@ -93,11 +102,11 @@ def _signal_faults(spec: ExperimentSpec, units: Units, where: str) -> Iterator[s
         try:
             _ = metric.kind in FIGURES or registry.named(metric.kind, "metric")
         except HarnessError as fault:
-            yield f"{where}: metrics.{name}: {fault}"
+            yield f"metrics.{name}: {fault}"
     for key, one, other in pairs:
         if not {one, other} & set(missing) and not _same(units[one], units[other]):
             yield (
-                f"{where}: {key} compares {one} [{units[one]}] and {other} [{units[other]}], which "
+                f"{key} compares {one} [{units[one]}] and {other} [{units[other]}], which "
                 "are not in one unit"
             )
 

@@ -63,4 +63,5 @@ def test_nothing_is_run(name: str, tmp_path: Path, capsys: pytest.CaptureFixture
     code = run_command_line(["run", str(write(tmp_path, text)), "--output", str(folder)])
     said = capsys.readouterr().err
     assert (code, words in said) == (2, True), said
+    assert len(said.splitlines()) == 1, "one fault is one line, however many variants have it"
     assert not folder.exists() and "Traceback" not in said
