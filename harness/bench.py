@@ -16,7 +16,6 @@ Experiment files are read into the same bench, so whatever one can do, the other
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -25,8 +24,9 @@ from typing import TYPE_CHECKING, Any
 
 from harness import registry
 from harness.clock import to_nanoseconds, to_period
+from harness.construction import construct, input_names, known_parameters, step_of_new
 from harness.display import html_table, progress_in_notebook
-from harness.errors import ExperimentError, HarnessError, UsageError, at, nearest
+from harness.errors import ExperimentError, UsageError, at, nearest
 from harness.instruments.imperfections import Imperfection, make_imperfection
 from harness.instruments.signals import make_signal
 from harness.instruments.source import SignalSource
@@ -131,7 +131,7 @@ class Bench:
             version = 2 if self.portable else self.fmi_version
             path = registry.plant_fmu(text, version, portable=self.portable)
         period = self._period(step, f"step of {name}")
-        how = _construct(name, Policy, policy)
+        how = construct(name, Policy, policy)
         self._add(FmuComponent(name, path, period, dict(start_values or {}), how))
 
     def controller(
@@ -150,8 +150,8 @@ class Bench:
         controller object with a method `block(sample_time)`, a block, or plain Python: a function,
         or an object with a method `step`, of `(time, *inputs)`. The names of its inputs are those
         of its arguments, its results are called `outputs`; arguments with a default are parameters.
-        Every run begins with what plain
-        Python holds now, and leaves that as it is; see `harness.participants.fresh`.
+        Every run begins with what plain Python holds now, and leaves that as it is; see
+        `harness.participants.fresh`.
         """
         period = self._period(sample_time, f"sample_time of {name}")
         phase_ns = to_nanoseconds(phase, f"phase of {name}")
@@ -159,10 +159,10 @@ class Bench:
             source = registry.controller(source)
         make: Callable[[], Callable[..., Any]] | None = None
         if isinstance(source, type):
-            make = partial(_made, name, source, parameters)
-            source = _construct(name, source, parameters)
+            make = partial(step_of_new, name, source, parameters)
+            source = construct(name, source, parameters)
         elif parameters and callable(source) and not hasattr(source, "block"):
-            source = partial(source, **_known(name, source, parameters))
+            source = partial(source, **known_parameters(name, source, parameters))
         elif parameters:
             raise UsageError(
                 f"component {name}: parameters are taken with a name, a class or a function only"
@@ -179,7 +179,7 @@ class Bench:
                 f"component {name}: {source!r} is no controller; give a registered name, a class, "
                 "a block, a function or an object with a method step"
             )
-        ports = tuple(Port(argument) for argument in _inputs(name, function))
+        ports = tuple(Port(argument) for argument in input_names(name, function))
         made = tuple(Port(output) for output in outputs)
         self._add(PythonComponent(name, function, ports, made, period, phase_ns, make))
 
@@ -377,85 +377,9 @@ class Bench:
         return Endpoint(component, variable)
 
 
-def _construct(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Any:
-    _check_parameters(name, kind, parameters)
-    try:
-        return kind(**{k: _tuples(v) for k, v in parameters.items()})
-    except HarnessError:
-        raise
-    except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
-        raise ExperimentError(f"component {name}: {kind.__name__}: {fault}") from fault
-    except Exception as fault:
-        raise ExperimentError(f"component {name}: {fault}") from fault
-
-
-def _check_parameters(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> None:
-    """Raises `ExperimentError` for parameters that a class has not, or that it lacks."""
-    try:
-        known = inspect.signature(kind).parameters.values()
-    except (TypeError, ValueError):  # a class of a compiled module may not say
-        return
-    open_ended = any(p.kind is p.VAR_KEYWORD for p in known)
-    named = {p.name: p for p in known if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
-    for key in parameters:
-        if key not in named and not open_ended:
-            raise ExperimentError(
-                f"component {name}: {kind.__name__} has no parameter {key!r}; {nearest(key, named)}"
-            )
-    lacking = [key for key, p in named.items() if p.default is p.empty and key not in parameters]
-    if lacking:
-        raise ExperimentError(
-            f"component {name}: {kind.__name__} needs the parameter {lacking[0]!r}, which is not "
-            f"given; its parameters are {', '.join(named)}"
-        )
-
-
-def _made(name: str, kind: type[Any], parameters: Mapping[str, Any]) -> Callable[..., Any]:
-    """The function of a new object of a class."""
-    made = _construct(name, kind, parameters)
-    function: Callable[..., Any] = getattr(made, "step", made)
-    return function
-
-
-def _tuples(value: Any) -> Any:
-    return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
-
-
 def _imperfection(given: Imperfection | Mapping[str, Any]) -> Imperfection:
     if not isinstance(given, Mapping):
         return given
     if "kind" not in given:
         raise ExperimentError(f"imperfection {dict(given)!r} lacks its 'kind'")
     return make_imperfection(given["kind"], {k: v for k, v in given.items() if k != "kind"})
-
-
-def _known(name: str, function: Callable[..., Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters of a plain Python function: its arguments that have a default."""
-    signature = inspect.signature(function).parameters.values()
-    legal = [p.name for p in signature if p.default is not p.empty or p.kind is p.KEYWORD_ONLY]
-    for key in given:
-        if key not in legal:
-            raise UsageError(
-                f"component {name}: {key!r} is no argument with a default of {function!r}, and so "
-                f"no parameter; {nearest(key, legal)}"
-            )
-    return dict(given)
-
-
-def _inputs(name: str, function: Callable[..., Any]) -> list[str]:
-    """The arguments of a plain Python function after the time, but for those with a default."""
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):
-        raise UsageError(
-            f"component {name}: {function!r} does not say what arguments it takes; wrap it, as in "
-            f"lambda time, first, second: {getattr(function, '__name__', 'f')}(first, second)"
-        ) from None
-    free = [p for p in signature.parameters.values() if p.default is p.empty]
-    plain = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    if not free or any(p.kind not in plain for p in free):
-        raise UsageError(
-            f"component {name}: a plain Python controller takes (time, input, input, …) by "
-            f"position, not {signature}"
-        )
-    return [p.name for p in free[1:]]
